@@ -1,0 +1,18 @@
+# Messages, reconfigurable parameters and the catkin package itself.
+set(VOXID_CATKIN_COMPONENTS
+  roscpp nodelet pluginlib message_filters dynamic_reconfigure diagnostic_updater camera_info_manager image_transport cv_bridge
+  tf2_ros std_msgs std_srvs sensor_msgs geometry_msgs visualization_msgs diagnostic_msgs)
+find_package(catkin REQUIRED COMPONENTS message_generation ${VOXID_CATKIN_COMPONENTS})
+
+add_message_files(FILES
+  Alternative.msg Object.msg Objects.msg Segment.msg Segments.msg Table.msg)
+generate_messages(DEPENDENCIES std_msgs sensor_msgs geometry_msgs)
+generate_dynamic_reconfigure_options(cfg/Capture.cfg cfg/Segmentation.cfg cfg/Classification.cfg)
+
+catkin_package(
+  INCLUDE_DIRS include
+  LIBRARIES voxid_core voxid_geometry
+  CATKIN_DEPENDS message_runtime ${VOXID_CATKIN_COMPONENTS})
+
+install(FILES package.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
+install(DIRECTORY launch rviz cfg DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})

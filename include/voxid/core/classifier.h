@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "voxid/core/search.h"
+
+namespace voxid {
+
+enum class ClassifyMethod : std::uint8_t {
+  OneNn,  ///< the category of the nearest view (the paper's)
+  Vote,   ///< the ten nearest views, each with weight exp(-3 (d / d1 - 1)), d1 the nearest distance
+};
+
+/// One category that the object may belong to.
+struct Alternative {
+  std::uint32_t category = 0;
+  std::uint32_t view = 0;            ///< its nearest view
+  std::uint32_t distance = 0;        ///< of that view
+  std::uint16_t score_permille = 0;  ///< see Answer; falls from rank to rank, all together at most 1000
+};
+
+/// What an object is. `count` is zero only if nothing could be compared.
+struct Answer {
+  static constexpr int kMaxAlternatives = 10;
+  std::array<Alternative, kMaxAlternatives> alternatives{};  ///< best first; [0] is the answer
+  int count = 0;
+  std::uint32_t margin_permille = 0;  ///< 1000 (d2 - d1) / d2 of the two nearest categories; 1000 if there is one only
+  std::uint16_t score_permille = 0;   ///< chance that the first is right, from the index's calibration of the margin
+  bool known = false;                 ///< score_permille >= min_score_permille: below, the label is to be left empty
+};
+
+/// Ranks categories by what a search found. Integers only, ties broken by the lower category number.
+Answer classify(const Index& index, const Nearest& nearest, ClassifyMethod method, int min_score_permille);
+
+}  // namespace voxid

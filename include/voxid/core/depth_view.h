@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace voxid {
+
+/// A point in the camera's optical frame (x right, y down, z forward), micrometres.
+/// Any int32 is allowed; z is positive for a point that a camera saw.
+struct PointUm {
+  std::int32_t x = 0, y = 0, z = 0;
+};
+
+/// Pinhole intrinsics in 1/65536 pixel: integers, so that every machine back-projects alike.
+/// Pixel (u, v) has its centre at u, v, as in ROS. fx and fy are positive.
+struct Camera {
+  std::int32_t fx_q16 = 0, fy_q16 = 0, cx_q16 = 0, cy_q16 = 0;
+
+  /// From pixels, rounded to 1/65536 px. Values outside (0, 32767) for f, (-32768, 32767) for c make `valid()` false.
+  static Camera fromPixels(double fx_px, double fy_px, double cx_px, double cy_px);
+  bool valid() const { return fx_q16 > 0 && fy_q16 > 0; }
+};
+
+/// The point that pixel (u, v) sees at depth z_um (along the optical axis). Exact 64-bit integers, rounded to nearest, saturated.
+PointUm backProject(const Camera& camera, int u, int v, std::int32_t z_um);
+
+/// How a depth image stores its numbers.
+enum class DepthUnit : std::uint8_t {
+  MillimetreU16,  ///< ROS 16UC1: 0 = no depth
+  MetreF32,       ///< ROS 32FC1: NaN, infinity, zero and negative = no depth
+};
+
+/// An organised depth image that somebody else owns: no copy, valid as long as the owner keeps the pixels.
+struct DepthView {
+  const void* data = nullptr;
+  int width_px = 0, height_px = 0;
+  std::size_t row_bytes = 0;  ///< at least width_px times the size of a pixel
+  DepthUnit unit = DepthUnit::MillimetreU16;
+  Camera camera;
+
+  /// Depth along the optical axis at (u, v), micrometres; 0 = none (also beyond 65.535 m). u, v must be inside the image.
+  std::int32_t depthUm(int u, int v) const;
+  bool empty() const { return data == nullptr || width_px <= 0 || height_px <= 0; }
+};
+
+}  // namespace voxid

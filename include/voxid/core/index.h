@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "voxid/core/descriptor.h"
+#include "voxid/core/index_format.h"
+#include "voxid/core/key.h"
+#include "voxid/core/span.h"
+#include "voxid/core/status.h"
+
+namespace voxid {
+
+/// A .vxi file, mapped read-only and shared between processes through the page cache. Opening checks the header, the
+/// section table and every size, count and range that a later read relies on, and reads nothing else; a file replaced by
+/// rename keeps being read in its old form. Thread-safe: everything is const.
+class Index {
+ public:
+  /// Refuses with one sentence: CannotDo for a missing or unreadable file, another major version, foreign descriptor
+  /// parameters; Damaged for an empty or cut file, a wrong header sum, a range that leaves the file.
+  static Result<std::shared_ptr<const Index>> open(const std::string& path);
+  ~Index();
+  Index(const Index&) = delete;
+  Index& operator=(const Index&) = delete;
+
+  /// Reads the whole file: every section's sum, every reference, the order of what is sorted, zero padding.
+  /// Damaged with the place if anything is wrong.
+  Status verify() const;
+
+  const std::string& path() const { return path_; }
+  const format::Header& header() const { return *header_; }
+  std::uint64_t bytes() const { return header_->file_bytes; }
+  const format::Parameters& parameters() const { return *parameters_; }
+  DescriptorParams descriptorParams() const { return {parameters_->pairs, parameters_->seed}; }
+
+  Span<const format::Category> categories() const { return categories_; }
+  Span<const format::Model> models() const { return models_; }
+  Span<const format::View> views() const { return views_; }
+  Span<const format::Direction> directions() const { return directions_; }
+  const format::Calibration& calibration() const { return *calibration_; }
+
+  /// The stored bytes of a view, code_bytes of them.
+  const std::uint8_t* code(std::uint32_t view) const { return codes_ + std::size_t{view} * parameters_->code_bytes; }
+
+  Span<const Key> keys() const { return keys_; }
+  /// The views in bucket `i` (of keys()[i]). A range outside the section (possible only in a damaged file) comes back empty.
+  Span<const std::uint32_t> bucket(std::uint32_t i) const;
+
+  /// A string of STRS; always terminated inside the section. An offset outside comes back empty.
+  std::string_view string(std::uint32_t offset) const;
+  std::string_view categoryName(std::uint32_t category) const { return string(categories_[category].name); }
+  std::string_view modelName(std::uint32_t model) const { return string(models_[model].name); }
+
+ private:
+  Index() = default;
+  Status locate(const std::string& path);
+
+  std::string path_;
+  const std::uint8_t* file_ = nullptr;
+  std::size_t mapped_bytes_ = 0;
+  const format::Header* header_ = nullptr;
+  const format::Parameters* parameters_ = nullptr;
+  const format::Calibration* calibration_ = nullptr;
+  Span<const format::Category> categories_;
+  Span<const format::Model> models_;
+  Span<const format::View> views_;
+  Span<const format::Direction> directions_;
+  const std::uint8_t* codes_ = nullptr;
+  Span<const Key> keys_;
+  Span<const std::uint32_t> bucket_offsets_, bucket_views_;
+  Span<const char> strings_;
+};
+
+/// What the descriptor's settings look like in a file; a query made with others is refused.
+format::Parameters parametersOf(const DescriptorParams& params);
+
+}  // namespace voxid

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The layout of a .vxi file, byte by byte; doc/index_format.md explains it. Little-endian, fixed widths, every section
+// starts at a multiple of 64 bytes, all padding is zero.
+#pragma once
+
+#include <cstdint>
+
+namespace voxid::format {
+
+constexpr char kMagic[8] = {'V', 'O', 'X', 'I', 'D', 'X', '\r', '\n'};  ///< a copy in text mode breaks it
+constexpr std::uint16_t kMajor = 1;  ///< a reader refuses any other
+constexpr std::uint16_t kMinor = 0;  ///< higher minors only add sections
+constexpr std::uint64_t kAlignment = 64;
+constexpr std::uint32_t kMaxSections = 64;
+
+struct Header {
+  char magic[8];
+  std::uint16_t major, minor;
+  std::uint32_t header_bytes;  ///< sizeof(Header); the section table follows
+  std::uint64_t file_bytes;    ///< must equal the file's length
+  std::uint32_t sections, categories, models, views, buckets;
+  std::uint32_t descriptor_crc32c;  ///< of the PARM section: the settings a query must be made with
+  std::uint32_t crc32c;             ///< of header (this field zero) and section table
+  std::uint8_t zero[12];
+};
+static_assert(sizeof(Header) == 64, "header is 64 bytes");
+
+struct Section {
+  char tag[4];
+  std::uint32_t crc32c;  ///< of its `length` bytes; checked by verify
+  std::uint64_t offset, length;
+  std::uint8_t zero[8];
+};
+static_assert(sizeof(Section) == 32, "section entry is 32 bytes");
+
+/// PARM, once: the descriptor's settings.
+struct Parameters {
+  char profile[16];           ///< "paper", NUL-padded
+  std::uint32_t revision;     ///< of the descriptor's bytes; a change of any output byte raises it
+  std::uint32_t pairs, seed;  ///< DescriptorParams
+  std::uint32_t code_bytes;   ///< bytes a view in CODE
+  std::uint8_t zero[32];
+};
+static_assert(sizeof(Parameters) == 64, "PARM is 64 bytes");
+
+/// CATS, sorted by name (bytewise). Strings are offsets into STRS (NUL-terminated UTF-8; offset 0 is the empty string).
+struct Category {
+  std::uint32_t name;
+  std::uint32_t synset;  ///< WordNet 3.0 noun offset; 0 = not known
+  std::uint32_t first_model, models;
+};
+static_assert(sizeof(Category) == 16, "CATS entry is 16 bytes");
+
+/// MODL, sorted by category, then name.
+struct Model {
+  std::uint32_t category, name, licence, origin;
+  std::uint32_t first_view, views;
+  std::uint8_t zero[8];
+};
+static_assert(sizeof(Model) == 32, "MODL entry is 32 bytes");
+
+/// DIRS: the view directions that VIEW refers to, in the model's frame, unit vectors x 32,767.
+struct Direction {
+  std::int16_t to_camera[3];  ///< from the model's centre towards the camera
+  std::int16_t up[3];         ///< the image's up before the roll
+  std::uint8_t zero[4];
+};
+static_assert(sizeof(Direction) == 16, "DIRS entry is 16 bytes");
+
+/// VIEW, sorted by model, then direction.
+struct View {
+  std::uint32_t model;
+  std::uint16_t extents[3];  ///< of the visible points along the camera's x, y, z, as 1/65,535 of the model's box diagonal
+  std::uint8_t direction;    ///< index into DIRS
+  std::uint8_t zero;
+  std::uint32_t points;      ///< visible pixels
+};
+static_assert(sizeof(View) == 16, "VIEW entry is 16 bytes");
+
+/// CODE: code_bytes a view, in the order of VIEW.
+/// KEYS: the distinct 52-bit keys, ascending, 8 bytes each. BKTO: buckets + 1 offsets into BKTV, 4 bytes each.
+/// BKTV: view numbers by bucket, ascending inside a bucket, 4 bytes each.
+
+/// CALB, once: the share of right labels by margin, measured with the query's own model left out.
+struct Calibration {
+  static constexpr int kBins = 32;
+  std::uint32_t samples;                 ///< queries behind the curve; 0 = the built-in curve was copied
+  std::uint16_t score_permille[kBins];   ///< non-decreasing; bin = min(31, 32 x (d2 - d1) / d2), d1 the nearest category's
+                                         ///< distance, d2 the next category's
+  std::uint8_t zero[60];
+};
+static_assert(sizeof(Calibration) == 128, "CALB is 128 bytes");
+
+}  // namespace voxid::format

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "voxid/core/descriptor.h"
+#include "voxid/core/index_format.h"
+#include "voxid/core/status.h"
+
+namespace voxid {
+
+/// One view of a model, as it goes into the index.
+struct ViewRecord {
+  std::uint8_t direction = 0;                 ///< 0 to 79, see views.h
+  std::uint32_t points = 0;                   ///< visible pixels
+  std::array<std::uint16_t, 3> extents{};     ///< as in format::View
+  std::vector<std::uint8_t> code;             ///< code_bytes
+};
+
+/// One model with its views.
+struct ModelRecord {
+  std::string category, name, licence, origin;
+  std::uint32_t synset = 0;       ///< of the category; WordNet 3.0 noun offset, 0 = not known
+  std::vector<ViewRecord> views;  ///< by ascending direction
+};
+
+/// Everything an index holds, in memory. The order of `models` does not matter: writing sorts by category and name.
+struct IndexContent {
+  DescriptorParams params;
+  std::vector<ModelRecord> models;
+  format::Calibration calibration{};
+};
+
+/// The curve that is used where a library is too small to learn its own (fewer than 200 calibration queries); measured on
+/// models/train (doc/descriptor.md).
+format::Calibration builtInCalibration();
+
+/// Writes a .vxi file beside `path`, fsyncs and renames: readers see the old file or the new one, whole. The bytes depend
+/// on the content only. Refuses two models of one category with the same name, and content without a view.
+Status writeIndex(const IndexContent& content, const std::string& path);
+
+}  // namespace voxid

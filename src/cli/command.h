@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the sub-commands share: how they are added, how they fail.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+#include "voxid/core/status.h"
+
+namespace voxid::cli {
+
+/// A sub-command's work; its status becomes the exit code, its sentence one line on stderr.
+using Run = std::function<Status()>;
+
+/// Each adds its options to `app` and returns what to run once they are parsed.
+Run addBuild(CLI::App& app);
+Run addCapture(CLI::App& app);
+Run addClassify(CLI::App& app);
+Run addDescribe(CLI::App& app);
+Run addEval(CLI::App& app);
+Run addInfo(CLI::App& app);
+Run addRender(CLI::App& app);
+Run addSegment(CLI::App& app);
+Run addVerify(CLI::App& app);
+
+}  // namespace voxid::cli

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cstdio>
+#include <exception>
+#include <utility>
+#include <vector>
+
+#include "command.h"
+
+namespace {
+
+using namespace voxid;
+using namespace voxid::cli;
+
+struct SubCommand {
+  const char* name;
+  const char* about;
+  Run (*add)(CLI::App&);
+};
+
+constexpr SubCommand kSubCommands[] = {
+    {"build", "Render models from 80 directions and write an index", addBuild},
+    {"capture", "List depth cameras, or record one", addCapture},
+    {"classify", "Name the object, or the objects of a scene, in depth images", addClassify},
+    {"describe", "Print the descriptor of an object", addDescribe},
+    {"eval", "Measure an index on labelled queries", addEval},
+    {"info", "Say what an index holds", addInfo},
+    {"render", "Render a model, or a table with models on it, to depth images", addRender},
+    {"segment", "Find the table and what stands on it in depth images", addSegment},
+    {"verify", "Check every byte of an index", addVerify},
+};
+
+int fail(const Status& status) {
+  std::fprintf(stderr, "voxid: %s\n", status.sentence.c_str());
+  return static_cast<int>(status.kind);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  CLI::App app{"voxid names the things on a table"};
+  app.set_version_flag("--version", "voxid " VOXID_VERSION);
+  app.require_subcommand(1);
+
+  std::vector<std::pair<CLI::App*, Run>> commands;
+  for (const SubCommand& command : kSubCommands) {
+    CLI::App* sub = app.add_subcommand(command.name, command.about);
+    commands.emplace_back(sub, command.add(*sub));
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    return fail(Status::badUse(std::string(error.what()) + "; see --help"));
+  }
+  for (const auto& [sub, run] : commands) {
+    if (!sub->parsed()) continue;
+    const Status status = run();
+    return status.ok() ? 0 : fail(status);
+  }
+  return 0;
+} catch (const std::exception& error) {
+  return fail(voxid::Status::cannotDo(error.what()));
+}
