@@ -22,7 +22,9 @@ struct Camera {
   bool valid() const { return fx_q16 > 0 && fy_q16 > 0; }
 };
 
-/// The point that pixel (u, v) sees at depth z_um (along the optical axis). Exact 64-bit integers, rounded to nearest, saturated.
+/// The point that pixel (u, v) sees at depth z_um (along the optical axis): x = (u - cx) z / fx, y alike. Exact 64-bit
+/// integers for any z and |u|, |v| <= 32,767 (beyond, u and v are clamped), rounded to nearest, halves away from zero,
+/// saturated to int32. The camera must be valid.
 PointUm backProject(const Camera& camera, int u, int v, std::int32_t z_um);
 
 /// How a depth image stores its numbers.

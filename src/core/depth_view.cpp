@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxid/core/depth_view.h"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace voxid {
+namespace {
+
+constexpr double kQ16 = 65536.0;
+constexpr double kMaxDepthUm = 65535000.0;
+constexpr int kMaxPixel = 32767;
+
+bool isFocal(double px) { return px * kQ16 >= 0.5 && px < kMaxPixel; }
+bool isCentre(double px) { return px > -kMaxPixel - 1 && px < kMaxPixel; }
+std::int32_t toQ16(double px) { return static_cast<std::int32_t>(std::lround(px * kQ16)); }
+
+std::int64_t clampTo(std::int64_t value, std::int64_t least, std::int64_t most) {
+  return value < least ? least : value > most ? most : value;
+}
+
+std::int32_t saturate(std::int64_t value) {
+  using Limits = std::numeric_limits<std::int32_t>;
+  return static_cast<std::int32_t>(clampTo(value, Limits::min(), Limits::max()));
+}
+
+// |pixel| <= 32,767 and |z| <= 2^31 keep the product below (2^32 - 2^16) 2^31 < 2^63.
+std::int32_t lateralUm(std::int64_t pixel, std::int32_t centre_q16, std::int32_t focal_q16, std::int32_t z_um) {
+  const std::int64_t offset_q16 = clampTo(pixel, -kMaxPixel, kMaxPixel) * 65536 - centre_q16;
+  const std::int64_t product = offset_q16 * z_um;
+  const std::int64_t half = focal_q16 / 2;
+  return saturate((product < 0 ? product - half : product + half) / focal_q16);
+}
+
+std::int32_t metresToUm(float z_m) {
+  const double z_um = static_cast<double>(z_m) * 1e6 + 0.5;
+  return z_um >= 1.0 && z_um < kMaxDepthUm + 1.0 ? static_cast<std::int32_t>(z_um) : 0;  // false for NaN
+}
+
+template <typename T>
+T load(const DepthView& depth, int u, int v) {
+  T value;
+  const auto* row = static_cast<const unsigned char*>(depth.data) + static_cast<std::size_t>(v) * depth.row_bytes;
+  std::memcpy(&value, row + static_cast<std::size_t>(u) * sizeof(T), sizeof(T));  // rows may be unaligned
+  return value;
+}
+
+}  // namespace
+
+Camera Camera::fromPixels(double fx_px, double fy_px, double cx_px, double cy_px) {
+  if (!isFocal(fx_px) || !isFocal(fy_px) || !isCentre(cx_px) || !isCentre(cy_px)) return {};
+  return {toQ16(fx_px), toQ16(fy_px), toQ16(cx_px), toQ16(cy_px)};
+}
+
+PointUm backProject(const Camera& camera, int u, int v, std::int32_t z_um) {
+  return {lateralUm(u, camera.cx_q16, camera.fx_q16, z_um), lateralUm(v, camera.cy_q16, camera.fy_q16, z_um), z_um};
+}
+
+std::int32_t DepthView::depthUm(int u, int v) const {
+  if (unit == DepthUnit::MetreF32) return metresToUm(load<float>(*this, u, v));
+  return load<std::uint16_t>(*this, u, v) * 1000;
+}
+
+}  // namespace voxid
