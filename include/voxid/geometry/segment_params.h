@@ -14,6 +14,8 @@ struct SegmentParams {
   int plane_draws = 500;
   /// A pixel fits the plane if its inverse depth is within this (1/km; the sensor's noise is nearly constant in inverse depth). Higher takes flat objects for table. [1 to 100]
   int plane_inlier_per_km = 10;
+  /// Largest angle between the table's normal and the image's upward direction. The default leaves out walls and lets a camera that looks straight down in; 80 leaves out walls before a level camera as well. [10 to 180]
+  int max_tilt_deg = 100;
   /// A plane with fewer pixels (scaled to 640 x 480) is no table. [100 to 200000]
   int min_table_pixels = 8000;
   /// Points at least this far above the plane belong to objects. Lower finds flatter things, and below 5 bare table. [2 to 100]

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "box.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace voxid {
+namespace {
+
+constexpr int kColumns = 512;  // of the plan; in each only the points at either end can be corners
+
+struct Rectangle {
+  double along_x = 1, along_y = 0;  // unit vector of the longer side
+  double centre_x = 0, centre_y = 0;
+  double length = 0, width = 0;
+};
+
+/// Smallest and largest of the hull's projections to a direction.
+struct Range {
+  double low = std::numeric_limits<double>::max(), high = std::numeric_limits<double>::lowest();
+  void add(double x) {
+    low = std::min(low, x);
+    high = std::max(high, x);
+  }
+  double size() const { return high - low; }
+  double middle() const { return (low + high) / 2; }
+};
+
+Rectangle rectangleAlong(Span<const Point2> hull, double x, double y) {
+  Range along, across;
+  for (const Point2& p : hull) {
+    along.add(x * p.x + y * p.y);
+    across.add(x * p.y - y * p.x);
+  }
+  Rectangle r;
+  r.centre_x = x * along.middle() - y * across.middle();
+  r.centre_y = y * along.middle() + x * across.middle();
+  const bool longer = along.size() >= across.size();
+  r.along_x = longer ? x : -y;
+  r.along_y = longer ? y : x;
+  r.length = longer ? along.size() : across.size();
+  r.width = longer ? across.size() : along.size();
+  return r;
+}
+
+/// The smallest rectangle has a side on an edge of the hull. Areas are compared in whole square micrometres.
+Rectangle smallestRectangle(Span<const Point2> hull) {
+  Rectangle best = rectangleAlong(hull, 1, 0);
+  for (std::size_t i = 0; i < hull.size; ++i) {
+    const Point2 p = hull[i], q = hull[i + 1 < hull.size ? i + 1 : 0];
+    const double dx = q.x - p.x, dy = q.y - p.y;
+    const double length = std::sqrt(dx * dx + dy * dy);
+    if (length < 1) continue;
+    const Rectangle r = rectangleAlong(hull, dx / length, dy / length);
+    if (std::floor(r.length * r.width) < std::floor(best.length * best.width)) best = r;
+  }
+  if (best.along_x < 0 || (best.along_x == 0 && best.along_y < 0)) {
+    best.along_x = -best.along_x;
+    best.along_y = -best.along_y;
+  }
+  return best;
+}
+
+struct Sums {
+  std::int64_t x = 0, y = 0, z = 0;
+  std::int32_t highest_um = 0, first_x = std::numeric_limits<std::int32_t>::max(),
+               last_x = std::numeric_limits<std::int32_t>::min();
+};
+
+PointUm pointOf(const InverseDepth& inverse, const Rays& rays, std::uint32_t pixel) {
+  const auto width = static_cast<std::uint32_t>(inverse.width_px);
+  const std::uint32_t v = pixel / width;
+  return rays.point(static_cast<int>(pixel - v * width), static_cast<int>(v), depthUmOf(inverse.values[pixel]));
+}
+
+PixelBox pixelBoxOf(Span<const std::uint32_t> pixels, int width_px) {
+  const auto width = static_cast<std::uint32_t>(width_px);
+  int left = width_px, right = 0;
+  for (const std::uint32_t pixel : pixels) {
+    const int u = static_cast<int>(pixel % width);
+    left = std::min(left, u);
+    right = std::max(right, u);
+  }
+  const int top = static_cast<int>(pixels[0] / width), bottom = static_cast<int>(pixels[pixels.size - 1] / width);
+  return {left, top, right - left + 1, bottom - top + 1};
+}
+
+bool touchesBorder(const PixelBox& box, int width_px, int height_px) {
+  return box.x == 0 || box.y == 0 || box.x + box.width == width_px || box.y + box.height == height_px;
+}
+
+}  // namespace
+
+BoxFitter::BoxFitter() : columns_(kColumns) {
+  sorted_.reserve(2 * kColumns);
+  hull_.resize(4 * kColumns);
+}
+
+/// Keeps, in each column of the plan, the lowest and the highest point.
+void BoxFitter::bin(const InverseDepth& inverse, const Rays& rays, const Plan& plan, const Cluster& cluster,
+                    std::int32_t first_x, std::int64_t width_um) {
+  std::fill(columns_.begin(), columns_.end(), Column{{0, std::numeric_limits<std::int32_t>::max()}, {0, std::numeric_limits<std::int32_t>::min()}});
+  for (const std::uint32_t pixel : cluster.pixels) {
+    const Point2 p = plan.project(pointOf(inverse, rays, pixel));
+    const std::int64_t offset = static_cast<std::int64_t>(p.x) - first_x;
+    Column& column = columns_[static_cast<std::size_t>(offset * kColumns / (width_um + 1))];
+    if (p.y < column.lowest.y) column.lowest = p;
+    if (p.y > column.highest.y) column.highest = p;
+  }
+}
+
+std::size_t BoxFitter::hull() {
+  sorted_.clear();
+  for (const Column& column : columns_) {
+    if (column.lowest.y > column.highest.y) continue;
+    sorted_.push_back(column.lowest);
+    sorted_.push_back(column.highest);
+  }
+  std::sort(sorted_.begin(), sorted_.end(), [](Point2 a, Point2 b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
+  return convexHull({sorted_.data(), sorted_.size()}, hull_.data());
+}
+
+void BoxFitter::fit(const InverseDepth& inverse, const Rays& rays, const Plan& plan, Cluster& cluster) {
+  cluster.box_px = pixelBoxOf(cluster.pixels, inverse.width_px);
+  cluster.truncated = touchesBorder(cluster.box_px, inverse.width_px, inverse.height_px);
+  Sums sums;
+  for (const std::uint32_t pixel : cluster.pixels) {
+    const PointUm p = pointOf(inverse, rays, pixel);
+    sums.x += p.x;
+    sums.y += p.y;
+    sums.z += p.z;
+    sums.highest_um = std::max(sums.highest_um, plan.heightUm(p));
+    const std::int32_t x = plan.project(p).x;
+    sums.first_x = std::min(sums.first_x, x);
+    sums.last_x = std::max(sums.last_x, x);
+  }
+  const double per_point = 1e-6 / static_cast<double>(cluster.pixels.size);
+  cluster.centroid_m = Eigen::Vector3d(static_cast<double>(sums.x) * per_point, static_cast<double>(sums.y) * per_point,
+                                       static_cast<double>(sums.z) * per_point)
+                           .cast<float>();
+
+  bin(inverse, rays, plan, cluster, sums.first_x, static_cast<std::int64_t>(sums.last_x) - sums.first_x);
+  const std::size_t size = hull();
+  const Rectangle r = smallestRectangle({hull_.data(), size});
+  const double height_m = sums.highest_um * 1e-6;
+  cluster.extents_m = Eigen::Vector3d(r.length * 1e-6, r.width * 1e-6, height_m).cast<float>();
+  cluster.box_centre_m = plan.lift(r.centre_x * 1e-6, r.centre_y * 1e-6, height_m / 2).cast<float>();
+  cluster.axes.col(0) = plan.direction(r.along_x, r.along_y).cast<float>();
+  cluster.axes.col(1) = plan.direction(-r.along_y, r.along_x).cast<float>();
+  cluster.axes.col(2) = (plan.lift(0, 0, 1) - plan.lift(0, 0, 0)).cast<float>();
+}
+
+}  // namespace voxid

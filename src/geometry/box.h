@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A cluster's pixels become its measures.
+#pragma once
+
+#include <vector>
+
+#include "inverse_depth.h"
+#include "plan.h"
+#include "voxid/geometry/scene.h"
+
+namespace voxid {
+
+/// Pixel box, centroid, and the smallest box that stands on the table around the points.
+class BoxFitter {
+ public:
+  BoxFitter();
+
+  /// Sets everything in `cluster` that follows from `cluster.pixels`, `truncated` only as far as the image's border goes.
+  void fit(const InverseDepth& inverse, const Rays& rays, const Plan& plan, Cluster& cluster);
+
+ private:
+  struct Column {
+    Point2 lowest, highest;
+  };
+  void bin(const InverseDepth& inverse, const Rays& rays, const Plan& plan, const Cluster& cluster, std::int32_t first_x,
+           std::int64_t width_um);
+  std::size_t hull();
+
+  std::vector<Column> columns_;
+  std::vector<Point2> sorted_, hull_;
+};
+
+}  // namespace voxid

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The pixels above the table, and which of them hang together.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "inverse_depth.h"
+#include "plan.h"
+#include "voxid/core/span.h"
+#include "voxid/geometry/segment_params.h"
+
+namespace voxid {
+
+/// A node is a pixel above the table; nodes are numbered in the order of their pixels. A part is a set of linked nodes.
+class Components {
+ public:
+  /// One scan: takes the pixels above the table and links each to its neighbours before it.
+  void find(const InverseDepth& inverse, const PlaneSums& sums, double distance_m, const Rays& rays,
+            const SegmentParams& params);
+
+  /// Makes one part of two.
+  void unite(std::uint32_t a, std::uint32_t b);
+  std::uint32_t rootOf(std::uint32_t node);
+
+  /// Numbers the parts 0, 1, ... by their first pixel and sorts their nodes.
+  void sort();
+  std::size_t parts() const { return first_.empty() ? 0 : first_.size() - 1; }
+  Span<const std::uint32_t> pixelsOf(std::size_t part) const {
+    return {sorted_pixels_.data() + first_[part], first_[part + 1] - first_[part]};
+  }
+
+ private:
+  void reserve(std::size_t pixels, int width_px);
+  void linkNeighbours(std::uint32_t node, int u, int v, int width_px);
+  void linkOverHole(std::uint32_t node, std::uint32_t earlier);
+  void linkIfNear(std::uint32_t node, std::int32_t other);
+  bool nearInSpace(std::uint32_t a, std::uint32_t b) const;
+
+  std::int32_t gap_um_ = 0;
+  std::vector<std::int32_t> node_of_;             // by pixel; -1 = on or below the table
+  std::vector<std::uint32_t> pixel_, parent_;     // by node
+  std::vector<PointUm> point_;                    // by node
+  std::vector<std::int32_t> last_in_column_;      // node, -1 = none
+  std::vector<std::uint32_t> part_of_;            // by node
+  std::vector<std::uint32_t> first_, sorted_pixels_;
+};
+
+}  // namespace voxid

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "plane.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace voxid {
+namespace {
+
+constexpr double kMissProbability = 1e-4;  // RANSAC stops at a confidence of 0.9999
+constexpr int kSampleSites = 2133;         // every 12th pixel both ways at 640 x 480
+constexpr int kRefits = 2;
+constexpr double kFarthestTable_m = 100;  // micrometres stay below 2^31
+constexpr double kDegree = 3.14159265358979323846 / 180;
+
+/// Rounded, so that the last bit of a platform's cosine decides nothing.
+double cosine(int angle_deg) { return std::round(std::cos(angle_deg * kDegree) * 1e6) / 1e6; }
+
+std::int32_t saturate(double x) { return static_cast<std::int32_t>(std::floor(std::clamp(x, -5e8, 5e8) + 0.5)); }
+
+/// Draws needed so that all of them miss the table with kMissProbability at most.
+int drawsFor(int inliers, std::size_t samples, int most) {
+  const double share = static_cast<double>(inliers) / static_cast<double>(samples);
+  const double miss = 1 - share * share * share;
+  int draws = 0;
+  for (double all_miss = 1; all_miss > kMissProbability && draws < most; all_miss *= miss) ++draws;
+  return draws;
+}
+
+/// Sums for a least-squares plane through the residuals of the inliers; integers, so their order does not matter.
+struct ResidualSums {
+  std::int64_t n = 0, u = 0, v = 0, uu = 0, uv = 0, vv = 0, r = 0, ur = 0, vr = 0;
+};
+
+constexpr int kBlock = 64;  // pixels whose sums stay below 2^31
+
+struct BlockSums {
+  std::int32_t n = 0, k = 0, kk = 0, r = 0, kr = 0;
+};
+
+BlockSums sumBlock(const std::int32_t* inverse, const std::int32_t* columns, std::int32_t row, std::int32_t tolerance,
+                   int count) {
+  BlockSums s;
+  for (std::int32_t k = 0; k < count; ++k) {
+    const std::int32_t r = inverse[k] - (columns[k] + row);
+    const std::int32_t inlier = -static_cast<std::int32_t>((r <= tolerance) & (r >= -tolerance) & (inverse[k] > 0));
+    s.n -= inlier;
+    s.k += k & inlier;
+    s.kk += (k * k) & inlier;
+    s.r += r & inlier;
+    s.kr += (k * (r & inlier));
+  }
+  return s;
+}
+
+/// Columns are counted from the image's middle to keep the sums small.
+void addBlock(const BlockSums& block, std::int64_t first_u, std::int64_t v, ResidualSums& sums) {
+  const std::int64_t u = first_u * block.n + block.k;
+  const std::int64_t ur = first_u * block.r + block.kr;
+  sums.n += block.n;
+  sums.u += u;
+  sums.uu += first_u * first_u * block.n + 2 * first_u * block.k + block.kk;
+  sums.v += v * block.n;
+  sums.uv += v * u;
+  sums.vv += v * v * block.n;
+  sums.r += block.r;
+  sums.ur += ur;
+  sums.vr += v * block.r;
+}
+
+ResidualSums sumInliers(const InverseDepth& inverse, const PlaneSums& plane, std::int32_t tolerance) {
+  ResidualSums sums;
+  const int middle_u = inverse.width_px / 2, middle_v = inverse.height_px / 2;
+  for (int v = 0; v < inverse.height_px; ++v) {
+    for (int u = 0; u < inverse.width_px; u += kBlock) {
+      const int count = std::min(kBlock, inverse.width_px - u);
+      const BlockSums block =
+          sumBlock(inverse.row(v) + u, plane.columns.data() + u, plane.rows[static_cast<std::size_t>(v)], tolerance, count);
+      if (block.n > 0) addBlock(block, u - middle_u, v - middle_v, sums);
+    }
+  }
+  return sums;
+}
+
+/// The plane that is added to the present one; false if the inliers lie on a line.
+bool solve(const ResidualSums& s, InversePlane& change) {
+  if (s.n < 3) return false;
+  const double n = static_cast<double>(s.n);
+  const double mean_u = static_cast<double>(s.u) / n, mean_v = static_cast<double>(s.v) / n;
+  const double mean_r = static_cast<double>(s.r) / n;
+  const double uu = static_cast<double>(s.uu) / n - mean_u * mean_u;
+  const double uv = static_cast<double>(s.uv) / n - mean_u * mean_v;
+  const double vv = static_cast<double>(s.vv) / n - mean_v * mean_v;
+  const double ur = static_cast<double>(s.ur) / n - mean_u * mean_r;
+  const double vr = static_cast<double>(s.vr) / n - mean_v * mean_r;
+  const double determinant = uu * vv - uv * uv;
+  if (determinant < 1e-6 * (uu * vv + 1)) return false;
+  change.per_u = (ur * vv - vr * uv) / determinant;
+  change.per_v = (vr * uu - ur * uv) / determinant;
+  change.at_origin = mean_r - change.per_u * mean_u - change.per_v * mean_v;
+  return true;
+}
+
+void refit(const InverseDepth& inverse, std::int32_t tolerance, InversePlane& plane, PlaneSums& sums) {
+  InversePlane change;
+  if (!solve(sumInliers(inverse, sums, tolerance), change)) return;
+  plane.per_u += change.per_u;
+  plane.per_v += change.per_v;
+  plane.at_origin +=
+      change.at_origin - change.per_u * (inverse.width_px / 2) - change.per_v * (inverse.height_px / 2);
+  sums.fill(plane, inverse.width_px, inverse.height_px);
+}
+
+}  // namespace
+
+MetricPlane metricOf(const InversePlane& plane, const Camera& camera) {
+  constexpr double kPixel = 1.0 / 65536, kPerMetre = 1e-3 / kUnitsPerKm;
+  const double at_axis = plane.per_u * camera.cx_q16 * kPixel + plane.per_v * camera.cy_q16 * kPixel + plane.at_origin;
+  const Eigen::Vector3d scaled(plane.per_u * camera.fx_q16 * kPixel * kPerMetre,
+                               plane.per_v * camera.fy_q16 * kPixel * kPerMetre, at_axis * kPerMetre);
+  const double length = std::sqrt(scaled.x() * scaled.x() + scaled.y() * scaled.y() + scaled.z() * scaled.z());
+  MetricPlane metric;
+  if (length < 1e-9) return metric;  // through no finite point
+  metric.normal = Eigen::Vector3d(-scaled.x() / length, -scaled.y() / length, -scaled.z() / length);
+  metric.distance_m = 1 / length;
+  return metric;
+}
+
+void PlaneSums::fill(const InversePlane& plane, int width_px, int height_px) {
+  columns.resize(static_cast<std::size_t>(width_px));
+  rows.resize(static_cast<std::size_t>(height_px));
+  for (int u = 0; u < width_px; ++u) columns[static_cast<std::size_t>(u)] = saturate(plane.per_u * u);
+  for (int v = 0; v < height_px; ++v) {
+    rows[static_cast<std::size_t>(v)] = saturate(plane.per_v * v + plane.at_origin);
+  }
+}
+
+/// Three different samples at a time, always the same ones (splitmix64 with a fixed seed).
+class PlaneFinder::Draws {
+ public:
+  explicit Draws(std::size_t samples) : samples_(static_cast<std::uint32_t>(samples)) {}
+
+  void next(std::uint32_t& a, std::uint32_t& b, std::uint32_t& c) {
+    a = below(samples_);
+    b = below(samples_ - 1);
+    if (b >= a) ++b;
+    c = below(samples_ - 2);
+    const std::uint32_t low = std::min(a, b), high = std::max(a, b);
+    if (c >= low) ++c;
+    if (c >= high) ++c;
+  }
+
+ private:
+  std::uint32_t below(std::uint32_t bound) {
+    state_ += 0x9e3779b97f4a7c15u;
+    std::uint64_t x = state_;
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+    x ^= x >> 31;
+    return static_cast<std::uint32_t>(((x >> 32) * bound) >> 32);
+  }
+
+  std::uint32_t samples_;
+  std::uint64_t state_ = 20110101;
+};
+
+void PlaneFinder::takeSamples(const InverseDepth& inverse) {
+  const double sites = static_cast<double>(inverse.width_px) * inverse.height_px / kSampleSites;
+  const int step = std::max(1, static_cast<int>(std::sqrt(sites) + 0.5));
+  const auto most = static_cast<std::size_t>((inverse.width_px / step + 1)) * (inverse.height_px / step + 1);
+  samples_.reserve(most);
+  above_.reserve(most);
+  samples_.clear();
+  for (int v = step / 2; v < inverse.height_px; v += step) {
+    for (int u = step / 2; u < inverse.width_px; u += step) {
+      const std::int32_t value = inverse.row(v)[u];
+      if (value > 0) samples_.push_back({u, v, value});
+    }
+  }
+}
+
+template <typename Accept>
+PlaneFinder::Candidate PlaneFinder::draw(const std::vector<Sample>& samples, const SegmentParams& params,
+                                         Accept accept) const {
+  Candidate best;
+  if (samples.size() < 3) return best;
+  const std::int64_t tolerance = params.plane_inlier_per_km * kUnitsPerKm;
+  Draws draws(samples.size());
+  int needed = params.plane_draws;
+  for (int i = 0; i < needed; ++i) {
+    std::uint32_t ia, ib, ic;
+    draws.next(ia, ib, ic);
+    const Sample &a = samples[ia], &b = samples[ib], &c = samples[ic];
+    // The normal of the plane through three points of (u, v, inverse depth): exact in 64 bits.
+    const std::int64_t bu = b.u - a.u, bv = b.v - a.v, bw = b.inverse - a.inverse;
+    const std::int64_t cu = c.u - a.u, cv = c.v - a.v, cw = c.inverse - a.inverse;
+    const std::int64_t nu = bv * cw - bw * cv, nv = bw * cu - bu * cw, nw = bu * cv - bv * cu;
+    if (nw == 0) continue;
+    InversePlane plane;
+    plane.per_u = -static_cast<double>(nu) / static_cast<double>(nw);
+    plane.per_v = -static_cast<double>(nv) / static_cast<double>(nw);
+    plane.at_origin = a.inverse - plane.per_u * a.u - plane.per_v * a.v;
+    if (!accept(plane)) continue;
+    const std::int64_t limit = tolerance * std::abs(nw);
+    int inliers = 0;
+    for (const Sample& s : samples) {
+      const std::int64_t miss = nu * (s.u - a.u) + nv * (s.v - a.v) + nw * (s.inverse - a.inverse);
+      inliers += std::abs(miss) <= limit;
+    }
+    if (inliers <= best.inliers) continue;
+    best = {plane, inliers};
+    needed = std::min(needed, std::max(i + 1, drawsFor(inliers, samples.size(), params.plane_draws)));
+  }
+  return best;
+}
+
+/// A robot sees more floor than table where the table is small: a parallel plane nearer to the camera that holds 15 % of
+/// the samples is the table.
+PlaneFinder::Candidate PlaneFinder::tableAboveFloor(Candidate floor, const Camera& camera, const SegmentParams& params) {
+  constexpr double kTableAboveFloor_m = 0.3;
+  constexpr int kMostLevels = 3;
+  const double parallel = cosine(8);
+  const auto enough = static_cast<double>(samples_.size()) * 0.15;
+  for (int level = 0; level < kMostLevels; ++level) {
+    const MetricPlane below = metricOf(floor.plane, camera);
+    above_.clear();
+    for (const Sample& s : samples_) {
+      const double expected = floor.plane.per_u * s.u + floor.plane.per_v * s.v + floor.plane.at_origin;
+      if (below.distance_m * (s.inverse - expected) > kTableAboveFloor_m * s.inverse) above_.push_back(s);
+    }
+    if (static_cast<double>(above_.size()) < enough) break;
+    const Candidate nearer = draw(above_, params, [&](const InversePlane& plane) {
+      return metricOf(plane, camera).normal.dot(below.normal) > parallel;
+    });
+    if (nearer.inliers < enough) break;
+    floor = nearer;
+  }
+  return floor;
+}
+
+bool PlaneFinder::find(const InverseDepth& inverse, const Camera& camera, const SegmentParams& params,
+                       InversePlane& plane, PlaneSums& sums) {
+  takeSamples(inverse);
+  const double least_up = cosine(params.max_tilt_deg);
+  const Candidate largest = draw(samples_, params, [&](const InversePlane& candidate) {
+    return -metricOf(candidate, camera).normal.y() >= least_up;
+  });
+  if (largest.inliers < 3) return false;
+  plane = tableAboveFloor(largest, camera, params).plane;
+  sums.fill(plane, inverse.width_px, inverse.height_px);
+  for (int i = 0; i < kRefits; ++i) {
+    refit(inverse, i == 0 ? params.plane_inlier_per_km * kUnitsPerKm : fineTolerance(params), plane, sums);
+  }
+  const double distance_m = metricOf(plane, camera).distance_m;
+  return distance_m > 0 && distance_m < kFarthestTable_m;
+}
+
+PlaneSupport supportOf(const InverseDepth& inverse, const PlaneSums& sums, std::int32_t tolerance, double distance_m) {
+  PlaneSupport support;
+  std::int64_t squares_um2 = 0;
+  const auto distance_um = static_cast<float>(distance_m * 1e6);
+  for (int v = 0; v < inverse.height_px; ++v) {
+    const std::int32_t* values = inverse.row(v);
+    const std::int32_t row = sums.rows[static_cast<std::size_t>(v)];
+    for (int u = 0; u < inverse.width_px; ++u) {
+      const std::int32_t r = values[u] - (sums.columns[static_cast<std::size_t>(u)] + row);
+      if (values[u] == 0 || std::abs(r) > tolerance) continue;
+      const auto height_um =
+          static_cast<std::int32_t>(distance_um * static_cast<float>(r) / static_cast<float>(values[u]));
+      ++support.inliers;
+      squares_um2 += static_cast<std::int64_t>(height_um) * height_um;
+    }
+  }
+  if (support.inliers > 0) support.residual_mm = std::sqrt(static_cast<double>(squares_um2) / support.inliers) * 1e-3;
+  return support;
+}
+
+}  // namespace voxid

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxid/geometry/segmenter.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "box.h"
+#include "components.h"
+#include "inverse_depth.h"
+#include "plan.h"
+#include "plane.h"
+
+namespace voxid {
+namespace {
+
+constexpr int kLongestSide_px = 8192;  // keeps the plane's sums within 64 bits
+constexpr std::int64_t kMostPixels = 1 << 24;
+constexpr std::int64_t kReferencePixels = 640 * 480;  // at which pixel counts are given
+constexpr std::size_t kOutlineProbes = 256;           // points of a cluster that are compared with the outline
+
+bool usable(const DepthView& depth) {
+  if (depth.empty() || !depth.camera.valid()) return false;
+  if (depth.width_px > kLongestSide_px || depth.height_px > kLongestSide_px) return false;
+  if (static_cast<std::int64_t>(depth.width_px) * depth.height_px > kMostPixels) return false;
+  const std::size_t pixel_bytes = depth.unit == DepthUnit::MillimetreU16 ? 2 : 4;
+  return depth.row_bytes >= pixel_bytes * static_cast<std::size_t>(depth.width_px);
+}
+
+/// A pixel count given for 640 x 480, for this image.
+std::size_t scaled(int pixels, const InverseDepth& inverse) {
+  return static_cast<std::size_t>(pixels * static_cast<std::int64_t>(inverse.values.size()) / kReferencePixels);
+}
+
+}  // namespace
+
+struct Segmenter::Workspace {
+  InverseDepth inverse;
+  PlaneFinder plane_finder;
+  PlaneSums sums;
+  Rays rays;
+  Plan plan;
+  Outline outline;
+  Components components;
+  BoxFitter boxes;
+  std::vector<Cluster> clusters;
+  Scene scene;
+
+  void segment(const DepthView& depth, const SegmentParams& params);
+  bool findTable(const DepthView& depth, const SegmentParams& params);
+  void findClusters(const SegmentParams& params);
+  void drop(DropReason reason) { ++scene.dropped[static_cast<std::size_t>(reason)]; }
+  int shareInside_percent(Span<const std::uint32_t> pixels, std::int32_t margin_um) const;
+  void keep(Span<const std::uint32_t> pixels, std::size_t most);
+  void measure(Cluster& cluster, const SegmentParams& params);
+};
+
+void Segmenter::Workspace::segment(const DepthView& depth, const SegmentParams& params) {
+  scene = Scene{};
+  clusters.clear();
+  clusters.reserve(static_cast<std::size_t>(std::max(params.max_clusters, 1)));
+  if (!usable(depth)) {
+    scene.status = SceneStatus::BadInput;
+    return;
+  }
+  invert(depth, params.min_depth_mm, params.max_depth_mm, inverse);
+  scene.valid_pixels = inverse.valid;
+  scene.status = SceneStatus::NoDepth;
+  if (inverse.valid == 0) return;
+  scene.status = SceneStatus::NoTable;
+  if (!findTable(depth, params)) return;
+  findClusters(params);
+  scene.clusters = {clusters.data(), clusters.size()};
+  scene.status = clusters.empty() ? SceneStatus::EmptyTable : SceneStatus::Ok;
+}
+
+bool Segmenter::Workspace::findTable(const DepthView& depth, const SegmentParams& params) {
+  InversePlane plane;
+  if (!plane_finder.find(inverse, depth.camera, params, plane, sums)) return false;
+  const MetricPlane metric = metricOf(plane, depth.camera);
+  const PlaneSupport support = supportOf(inverse, sums, fineTolerance(params), metric.distance_m);
+  if (support.inliers < std::max<std::size_t>(scaled(params.min_table_pixels, inverse), 3)) return false;
+  rays.fill(depth.camera, depth.width_px, depth.height_px);
+  plan.set(metric);
+  if (!outline.fill(inverse, sums, fineTolerance(params), rays, plan)) return false;
+  scene.table.normal = metric.normal.cast<float>();
+  scene.table.distance_m = static_cast<float>(metric.distance_m);
+  scene.table.outline_m = outline.points_m();
+  scene.table.inliers = support.inliers;
+  scene.table.residual_mm = static_cast<float>(support.residual_mm);
+  return true;
+}
+
+/// Share of a cluster's points whose feet on the table lie inside the outline, from evenly spaced ones.
+int Segmenter::Workspace::shareInside_percent(Span<const std::uint32_t> pixels, std::int32_t margin_um) const {
+  const std::size_t step = std::max<std::size_t>(1, pixels.size / kOutlineProbes);
+  int inside = 0, probes = 0;
+  for (std::size_t i = step / 2; i < pixels.size; i += step) {
+    const std::uint32_t pixel = pixels[i];
+    const int u = static_cast<int>(pixel % static_cast<std::uint32_t>(inverse.width_px));
+    const int v = static_cast<int>(pixel / static_cast<std::uint32_t>(inverse.width_px));
+    const PointUm point = rays.point(u, v, depthUmOf(inverse.values[pixel]));
+    inside += outline.contains(plan.project(point), margin_um);
+    ++probes;
+  }
+  return 100 * inside / probes;
+}
+
+/// Past the limit the smallest makes room; of equal ones the later. The limit bounds the work a part costs.
+void Segmenter::Workspace::keep(Span<const std::uint32_t> pixels, std::size_t most) {
+  if (clusters.size() >= most) {
+    drop(DropReason::TooMany);
+    auto smallest = clusters.begin();
+    for (auto c = clusters.begin(); c != clusters.end(); ++c) {
+      if (c->pixels.size <= smallest->pixels.size) smallest = c;
+    }
+    if (smallest->pixels.size >= pixels.size) return;
+    clusters.erase(smallest);
+  }
+  clusters.emplace_back();
+  clusters.back().pixels = pixels;
+}
+
+void Segmenter::Workspace::measure(Cluster& cluster, const SegmentParams& params) {
+  constexpr int kMostlyInside_percent = 95;
+  boxes.fit(inverse, rays, plan, cluster);
+  if (shareInside_percent(cluster.pixels, params.outline_margin_mm * 1000) < kMostlyInside_percent) {
+    cluster.truncated = true;
+  }
+}
+
+void Segmenter::Workspace::findClusters(const SegmentParams& params) {
+  constexpr int kOnTheTable_percent = 30;
+  components.find(inverse, sums, scene.table.distance_m, rays, params);
+  components.sort();
+  const std::size_t fewest = std::max<std::size_t>(scaled(params.min_cluster_pixels, inverse), 1);
+  for (std::size_t part = 0; part < components.parts(); ++part) {
+    const Span<const std::uint32_t> pixels = components.pixelsOf(part);
+    if (pixels.size < fewest) {
+      drop(DropReason::TooFewPoints);
+    } else if (shareInside_percent(pixels, params.outline_margin_mm * 1000) < kOnTheTable_percent) {
+      drop(DropReason::OutsideOutline);
+    } else {
+      keep(pixels, static_cast<std::size_t>(std::max(params.max_clusters, 1)));
+    }
+  }
+  for (std::size_t i = 0; i < clusters.size(); ++i) {
+    clusters[i].id = static_cast<int>(i) + 1;
+    measure(clusters[i], params);
+  }
+}
+
+Segmenter::Segmenter() : workspace_(std::make_unique<Workspace>()) {}
+Segmenter::~Segmenter() = default;
+Segmenter::Segmenter(Segmenter&&) noexcept = default;
+Segmenter& Segmenter::operator=(Segmenter&&) noexcept = default;
+
+const Scene& Segmenter::segment(const DepthView& depth, const SegmentParams& params) {
+  workspace_->segment(depth, params);
+  return workspace_->scene;
+}
+
+}  // namespace voxid
