@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is written in two places says the same in both."""
+import pathlib
+import re
+import subprocess
+import xml.etree.ElementTree as xml
+import zipfile
+
+import pytest
+import yaml
+
+
+def test_generated_files_follow_from_params_yaml(root):
+    check = subprocess.run([root / "scripts/generate_params", "--check"], capture_output=True, text=True)
+    assert check.returncode == 0, check.stderr
+
+
+def version_of_cmake(root):
+    return re.search(r"project\(voxid VERSION ([\d.]+)", (root / "CMakeLists.txt").read_text())[1]
+
+
+def test_version_numbers_agree(root):
+    package = xml.parse(root / "package.xml").getroot().findtext("version")
+    changelog = re.search(r"^(\d+\.\d+\.\d+) \(", (root / "CHANGELOG.rst").read_text(), re.MULTILINE)[1]
+    assert version_of_cmake(root) == package == changelog
+
+
+def as_table(pairs):
+    return {name: int(number) for name, number in pairs}
+
+
+def statuses(root):
+    scene = (root / "include/voxid/geometry/scene.h").read_text()
+    body = re.search(r"enum class SceneStatus[^{]*{(.*?)};", scene, re.DOTALL)[1]
+    header = as_table((re.sub(r"(?<!^)([A-Z])", r"_\1", name).upper(), number) for name, number in re.findall(r"(\w+) = (\d+)", body))
+    ros = as_table(re.findall(r"^uint8 (\w+)=(\d+)", (root / "msg/Objects.msg").read_text(), re.MULTILINE))
+    lcm = as_table(re.findall(r"(\w+)=(\d+)", re.search(r"const int8_t ([^;]*);", (root / "lcm/voxid.lcm").read_text())[1]))
+    return header, ros, lcm
+
+
+def test_statuses_agree_in_header_ros_and_lcm(root):
+    header, ros, lcm = statuses(root)
+    assert len(header) == 7
+    assert header == ros == lcm
+
+
+def test_drop_reasons_are_those_that_the_messages_document(root):
+    scene = (root / "include/voxid/geometry/scene.h").read_text()
+    reasons = re.findall(r"\w+", re.search(r"enum class DropReason[^{]*{(.*?)};", scene)[1])
+    named = [re.sub(r"(?<!^)([A-Z])", r" \1", reason).lower() for reason in reasons if reason != "kCount"]
+    for message in ("Segments", "Objects"):
+        documented = re.search(r"^uint32\[\] dropped.*by cause: (.*)$", (root / f"msg/{message}.msg").read_text(), re.MULTILINE)[1]
+        assert documented.replace("the ", "").split(", ") == named
+
+
+def test_every_message_is_built(root):
+    built = re.search(r"add_message_files\(FILES([^)]*)\)", (root / "cmake/ros.cmake").read_text())[1].split()
+    assert sorted(built) == sorted(path.name for path in (root / "msg").glob("*.msg"))
+
+
+def test_every_plugin_class_has_a_library_and_a_sentence(root):
+    plugins = xml.parse(root / "nodelets/nodelet_plugins.xml").getroot()
+    classes = list(plugins.iter("class"))
+    assert len(classes) >= 5
+    for plugin in classes:
+        assert plugin.get("name").startswith("voxid/")
+        assert plugin.findtext("description").strip().endswith(".")
+
+
+def test_every_subcommand_is_documented(root):
+    main = (root / "src/cli/main.cpp").read_text()
+    names = re.findall(r'^    {"(\w+)", "', main, re.MULTILINE)
+    text = (root / "doc/cli.md").read_text()
+    assert len(names) >= 9
+    assert [name for name in names if not re.search(rf"voxid {name}\b", text)] == []
+
+
+def test_packages_of_the_manifest_that_cmake_finds_are_depended_on(root):
+    components = re.search(r"set\(VOXID_CATKIN_COMPONENTS([^)]*)\)", (root / "cmake/ros.cmake").read_text())[1].split()
+    declared = {element.text for element in xml.parse(root / "package.xml").getroot().iter("depend")}
+    assert set(components) <= declared
+
+
+def test_demo_table_names_each_model_once(root):
+    table = yaml.safe_load((root / "cfg/demo_names.yaml").read_text())
+    names = [name for group in table["categories"].values() for name in group] + table["skipped"]
+    assert len(names) == len(set(names))
+    assert all(re.fullmatch(r"[a-z]+(_[a-z]+)*", category) for category in table["categories"])
+    assert len(table["held_out"]) >= 10
+
+
+def test_demo_table_covers_the_catalogues(root):
+    furniture = pathlib.Path("/usr/share/sweethome3d/furniture")
+    if not furniture.is_dir():
+        pytest.skip("sweethome3d-furniture is not installed")
+    table = yaml.safe_load((root / "cfg/demo_names.yaml").read_text())
+    listed = {name for group in table["categories"].values() for name in group} | set(table["skipped"])
+    found = set()
+    for path in furniture.glob("*.sh3f"):
+        text = zipfile.ZipFile(path).read("PluginFurnitureCatalog.properties").decode("latin-1")
+        found |= {name.strip().replace("\\u20ac", "€") for name in re.findall(r"^name#\d+=(.*)$", text, re.MULTILINE)}
+    assert found == listed

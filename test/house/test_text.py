@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What every file of the repository keeps to."""
+import os
+import re
+
+import pytest
+
+CODE = {".h", ".hpp", ".cpp", ".py"}
+TEXT = CODE | {".md", ".rst", ".txt", ".yaml", ".yml", ".xml", ".cmake", ".launch", ".test", ".msg", ".lcm", ".cfg", ".rviz", ""}
+ME = "test/house/test_text.py"
+
+
+def texts(root, tracked, suffixes=frozenset(TEXT)):
+    for path in tracked:
+        if path.suffix in suffixes and str(path) != ME:
+            try:
+                yield path, (root / path).read_text()
+            except UnicodeDecodeError:
+                continue
+
+
+@pytest.mark.parametrize("pattern", [r"/work/", r"/root/", r"/home/(?!\$)\w", r"https?://(?:[\w.-]*\.)?(?:pypi|pythonhosted|ubuntu\.com|debian\.org/debian\b)",
+                                     r"\bartifactory\b"])
+def test_no_path_or_host_of_one_machine(root, tracked, pattern):
+    wrong = [f"{path}: {found[0]}" for path, text in texts(root, tracked) if (found := re.search(rf".*{pattern}.*", text))]
+    assert wrong == []
+
+
+# Spelt with a class so that the pattern does not find itself.
+@pytest.mark.parametrize("pattern", [r"\bTOD[O]\b", r"\bFIXM[E]\b", r"\bXX[X]\b", r"\bHAC[K]\b", r"<<<<<<[<]", r"\bas an A[I]\b", r"\bplaceholde[r]\b"])
+def test_nothing_is_left_open(root, tracked, pattern):
+    wrong = [f"{path}: {found[0].strip()}" for path, text in texts(root, tracked) if (found := re.search(rf".*{pattern}.*", text))]
+    assert wrong == []
+
+
+def test_code_names_its_licence(root, tracked):
+    generated_elsewhere = {"cfg"}
+    wrong = [str(path) for path, text in texts(root, tracked, frozenset(CODE))
+             if path.parts[0] not in generated_elsewhere and "SPDX-License-Identifier: BSD-3-Clause" not in "".join(text.splitlines(True)[:2])]
+    assert wrong == []
+
+
+def test_headers_are_guarded_by_pragma_once(root, tracked):
+    assert [str(path) for path, text in texts(root, tracked, frozenset({".h", ".hpp"})) if "#pragma once" not in text] == []
+
+
+def test_no_file_is_large(root, tracked):
+    assert [str(path) for path in tracked if (root / path).stat().st_size > 1_000_000] == []
+
+
+def test_scripts_are_executable_and_say_how_they_are_called(root, tracked):
+    for path in tracked:
+        if path.parts[0] != "scripts" or path.suffix or path.name == "env.sh":
+            continue
+        text = (root / path).read_text()
+        assert text.startswith("#!"), path
+        assert os.access(root / path, os.X_OK), path
+        assert path.name in text, f"{path} does not say how it is called"
+
+
+def test_python_of_ros_is_the_systems(root, tracked):
+    """Another python3 may be first on PATH, and it knows no rospy."""
+    assert [str(path) for path, text in texts(root, tracked, frozenset({".py", ""})) if re.match(r"#!.*env python", text)] == []
