@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "voxid/core/descriptor.h"
+#include "voxid/core/index.h"
 #include "voxid/core/index_format.h"
 #include "voxid/core/status.h"
 
@@ -14,7 +15,7 @@ namespace voxid {
 
 /// One view of a model, as it goes into the index.
 struct ViewRecord {
-  std::uint8_t direction = 0;                 ///< 0 to 79, see views.h
+  std::uint8_t direction = 0;                 ///< index into IndexContent::directions
   std::uint32_t points = 0;                   ///< visible pixels
   std::array<std::uint16_t, 3> extents{};     ///< as in format::View
   std::vector<std::uint8_t> code;             ///< code_bytes
@@ -30,6 +31,7 @@ struct ModelRecord {
 /// Everything an index holds, in memory. The order of `models` does not matter: writing sorts by category and name.
 struct IndexContent {
   DescriptorParams params;
+  std::vector<format::Direction> directions;  ///< at most 256; what the views' directions refer to
   std::vector<ModelRecord> models;
   format::Calibration calibration{};
 };
@@ -39,7 +41,13 @@ struct IndexContent {
 format::Calibration builtInCalibration();
 
 /// Writes a .vxi file beside `path`, fsyncs and renames: readers see the old file or the new one, whole. The bytes depend
-/// on the content only. Refuses two models of one category with the same name, and content without a view.
+/// on the content only. Refuses (CannotDo) what a reader could not rely on: no model at all, a model without a view, two
+/// models of one category with the same name, two synsets for one category, an empty category or model name, views that
+/// do not ascend or name no direction, a code of another length. Nothing is left beside `path` if it fails.
 Status writeIndex(const IndexContent& content, const std::string& path);
+
+/// The content of an index, such that writing it gives the same bytes again. The index should have passed `verify`;
+/// references of a damaged one that lead nowhere are refused as Damaged.
+Result<IndexContent> readContent(const Index& index);
 
 }  // namespace voxid
