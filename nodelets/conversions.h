@@ -38,6 +38,9 @@ geometry_msgs::Quaternion quaternionOf(const Eigen::Quaterniond& q);
 /// Pixels, boxes and table of one frame; `width_px` and `height_px` of the depth image.
 void fillSegments(const Scene& scene, int width_px, int height_px, Segments* message);
 
+/// Whether every pixel that the segments name lies in the image.
+bool fit(const Segments& segments, const DepthView& depth);
+
 /// What is known about an object before it is named: id, box, pose with covariance, sizes.
 Object objectOf(const Segment& segment);
 

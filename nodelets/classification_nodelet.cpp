@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "classification_nodelet.h"
+
+#include <boost/make_shared.hpp>
+#include <pluginlib/class_list_macros.hpp>
+
+#include "stopwatch.h"
+
+namespace voxid {
+namespace {
+
+constexpr auto kOk = static_cast<std::uint8_t>(SceneStatus::Ok);
+constexpr auto kBadInput = static_cast<std::uint8_t>(SceneStatus::BadInput);
+constexpr auto kNoIndex = static_cast<std::uint8_t>(SceneStatus::NoIndex);
+constexpr auto kNoTransform = static_cast<std::uint8_t>(SceneStatus::NoTransform);
+
+boost::shared_ptr<Objects> objectsFor(const sensor_msgs::Image& image, const Segments& segments) {
+  const auto objects = boost::make_shared<Objects>();
+  objects->header = image.header;
+  objects->camera_frame = image.header.frame_id;
+  objects->status = segments.status;
+  objects->status_text = statusText(segments.status);
+  objects->table = segments.table;
+  objects->dropped = segments.dropped;
+  objects->segment_ms = segments.segment_ms;
+  return objects;
+}
+
+void setStatus(std::uint8_t status, const std::string& sentence, Objects* objects) {
+  objects->status = status;
+  objects->status_text = sentence;
+}
+
+}  // namespace
+
+void ClassificationNodelet::onInit() {
+  ros::NodeHandle& node = getNodeHandle();
+  health_.start(node, getPrivateNodeHandle(), getName());
+  config_ = std::make_unique<dynamic_reconfigure::Server<ClassificationConfig>>(getPrivateNodeHandle());
+  config_->setCallback([this](ClassificationConfig& config, std::uint32_t) { onConfig(config); });
+  startTransforms();
+  watch_.start(getPrivateNodeHandle().param<std::string>("index", ""), getPrivateNodeHandle().param("watch_index", true));
+  followIndex(watch_.index() != nullptr);
+
+  frames_ = std::make_unique<message_filters::Synchronizer<Frame>>(Frame(8), image_, info_, segments_);
+  frames_->registerCallback(boost::bind(&ClassificationNodelet::onFrame, this, boost::placeholders::_1,
+                                        boost::placeholders::_2, boost::placeholders::_3));
+  frames_->registerDropCallback([this](const auto&, const auto&, const auto&) { health_.dropped(); });
+
+  // The callback may come before advertise has returned, and then must wait for the publisher.
+  const std::lock_guard<std::mutex> lock(listeners_mutex_);
+  const ros::SubscriberStatusCallback changed = [this](const ros::SingleSubscriberPublisher&) { onListeners(); };
+  objects_ = node.advertise<Objects>("objects", 2, changed, changed);
+}
+
+void ClassificationNodelet::onListeners() {
+  const std::lock_guard<std::mutex> lock(listeners_mutex_);
+  const bool wanted = objects_.getNumSubscribers() > 0;
+  const bool subscribed = static_cast<bool>(segments_.getSubscriber());
+  if (wanted == subscribed) return;
+  health_.listening(wanted);
+  if (wanted) {
+    // Segments come last; of those only the newest is kept, so that a late frame never delays the next.
+    image_.subscribe(getNodeHandle(), "depth/image_raw", 8);
+    info_.subscribe(getNodeHandle(), "depth/camera_info", 8);
+    segments_.subscribe(getNodeHandle(), "segments", 1);
+  } else {
+    image_.unsubscribe();
+    info_.unsubscribe();
+    segments_.unsubscribe();
+  }
+}
+
+void ClassificationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info,
+                                    const SegmentsConstPtr& segments) {
+  const Stopwatch watch;
+  followIndex(watch_.refresh());
+  const auto objects = objectsFor(*image, *segments);
+  const Result<DepthView> depth = viewFor(*image, *info, *segments);
+  if (depth.ok())
+    nameAll(depth.value, *segments, objects.get());
+  else
+    setStatus(kBadInput, depth.status.sentence, objects.get());
+  moveToTarget(objects.get());
+  objects->classify_ms = watch.ms();
+  objects->latency_ms = static_cast<float>((ros::Time::now() - image->header.stamp).toSec() * 1e3);
+  objects_.publish(objects);
+  report(*objects, depth.status);
+}
+
+Result<DepthView> ClassificationNodelet::viewFor(const sensor_msgs::Image& image, const sensor_msgs::CameraInfo& info,
+                                                 const Segments& segments) {
+  Result<DepthView> depth = viewOf(image, info);
+  if (depth.ok() && segments.status != kBadInput && !fit(segments, depth.value))
+    return Status::badUse("segments name pixels outside the depth image: they were made from another one");
+  return depth;
+}
+
+void ClassificationNodelet::nameAll(const DepthView& depth, const Segments& segments, Objects* objects) {
+  for (const Segment& segment : segments.segments) {
+    objects->objects.push_back(objectOf(segment));
+    if (!recogniser_) continue;
+    const Span<const std::uint32_t> pixels{segment.pixels.data(), segment.pixels.size()};
+    fillAnswer(recogniser_->recognise(depth, pixels, params()), recogniser_->index(), &objects->objects.back());
+  }
+  if (recogniser_) objects->index = recogniser_->index().path();
+  if (!recogniser_ && objects->status == kOk) setStatus(kNoIndex, watch_.trouble(), objects);
+}
+
+void ClassificationNodelet::moveToTarget(Objects* objects) {
+  if (!transforms_ || objects->camera_frame == target_frame_) return;
+  try {
+    const auto found = transforms_->lookupTransform(target_frame_, objects->camera_frame, objects->header.stamp);
+    transform(eigenOf(found.transform), objects);
+    objects->header.frame_id = target_frame_;
+  } catch (const tf2::TransformException& error) {
+    if (objects->objects.empty()) return;
+    setStatus(kNoTransform, statusText(kNoTransform) + " (" + error.what() + ")", objects);
+  }
+}
+
+void ClassificationNodelet::report(const Objects& objects, const Status& input) {
+  health_.frame(objects.header.stamp, statusName(objects.status));
+  if (!input.ok())
+    health_.reason(Health::Level::Error, input.sentence);
+  else if (!watch_.trouble().empty())
+    health_.reason(Health::Level::Warn, watch_.trouble());
+  else if (objects.status == kNoTransform)
+    health_.reason(Health::Level::Warn, "no transform from '" + objects.camera_frame + "' to '" + target_frame_ +
+                                            "' at the depth frame's stamp: poses stay in the camera's frame");
+  else
+    health_.well();
+}
+
+void ClassificationNodelet::followIndex(bool replaced) {
+  if (replaced) {
+    recogniser_ = std::make_unique<Recogniser>(watch_.index());
+    NODELET_INFO("index %s: %u models, %u views", watch_.index()->path().c_str(), watch_.index()->header().models,
+                 watch_.index()->header().views);
+  }
+  if (!watch_.trouble().empty()) health_.reason(Health::Level::Warn, watch_.trouble());
+}
+
+void ClassificationNodelet::startTransforms() {
+  target_frame_ = getPrivateNodeHandle().param<std::string>("target_frame", "");
+  if (target_frame_.empty()) return;
+  transforms_ = std::make_unique<tf2_ros::Buffer>();
+  transform_listener_ = std::make_unique<tf2_ros::TransformListener>(*transforms_);
+}
+
+void ClassificationNodelet::onConfig(const ClassificationConfig& config) {
+  const std::lock_guard<std::mutex> lock(params_mutex_);
+  params_ = paramsOf(config);
+}
+
+ClassifyParams ClassificationNodelet::params() const {
+  const std::lock_guard<std::mutex> lock(params_mutex_);
+  return params_;
+}
+
+}  // namespace voxid
+
+PLUGINLIB_EXPORT_CLASS(voxid::ClassificationNodelet, nodelet::Nodelet)

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dynamic_reconfigure/server.h>
+#include <message_filters/subscriber.h>
+#include <message_filters/sync_policies/exact_time.h>
+#include <message_filters/synchronizer.h>
+#include <nodelet/nodelet.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
+
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "conversions.h"
+#include "health.h"
+#include "index_watch.h"
+#include "params.h"
+#include "recogniser.h"
+
+namespace voxid {
+
+/// depth/image_raw + depth/camera_info + segments of one stamp -> objects, one message a frame. Parameters: ~index (path
+/// of a .vxi file), ~watch_index (true: a replaced file is used within a second), ~target_frame (empty: poses stay in the
+/// camera's frame).
+class ClassificationNodelet : public nodelet::Nodelet {
+ protected:
+  virtual void onFrame(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info,
+                       const SegmentsConstPtr& segments);
+
+ private:
+  using Frame = message_filters::sync_policies::ExactTime<sensor_msgs::Image, sensor_msgs::CameraInfo, Segments>;
+
+  void onInit() override;
+  void onListeners();
+  void onConfig(const ClassificationConfig& config);
+  void startTransforms();
+  void followIndex(bool replaced);
+  Result<DepthView> viewFor(const sensor_msgs::Image& image, const sensor_msgs::CameraInfo& info, const Segments& segments);
+  void nameAll(const DepthView& depth, const Segments& segments, Objects* objects);
+  void moveToTarget(Objects* objects);
+  void report(const Objects& objects, const Status& input);
+  ClassifyParams params() const;
+
+  std::mutex listeners_mutex_;
+  mutable std::mutex params_mutex_;
+  ClassifyParams params_;
+  IndexWatch watch_;
+  std::unique_ptr<Recogniser> recogniser_;
+  std::string target_frame_;
+  std::unique_ptr<tf2_ros::Buffer> transforms_;
+  std::unique_ptr<tf2_ros::TransformListener> transform_listener_;
+  Health health_;
+  ros::Publisher objects_;
+  message_filters::Subscriber<sensor_msgs::Image> image_;
+  message_filters::Subscriber<sensor_msgs::CameraInfo> info_;
+  message_filters::Subscriber<Segments> segments_;
+  std::unique_ptr<message_filters::Synchronizer<Frame>> frames_;
+  std::unique_ptr<dynamic_reconfigure::Server<ClassificationConfig>> config_;
+};
+
+}  // namespace voxid

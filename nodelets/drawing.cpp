@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drawing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <opencv2/imgproc.hpp>
+
+#include "conversions.h"
+
+namespace voxid {
+namespace {
+
+using visualization_msgs::Marker;
+
+constexpr std::int32_t kNear_um = 300000, kFar_um = 3000000;  // of the grey scale
+constexpr double kThinnest_m = 0.001;                         // rviz refuses a box without thickness
+constexpr double kTextHeight_m = 0.03;
+
+cv::Vec3b bgrOf(int id) {
+  const auto rgb = colourOf(id);
+  return {rgb[2], rgb[1], rgb[0]};
+}
+
+// Even steps of inverse depth are even steps of grey: the table's slope shows near and far alike. Black: no depth.
+std::uint8_t greyOf(std::int32_t depth_um) {
+  if (depth_um <= 0) return 0;
+  const double nearness = 1.0 / std::clamp(depth_um, kNear_um, kFar_um), nearest = 1.0 / kNear_um, farthest = 1.0 / kFar_um;
+  return static_cast<std::uint8_t>(40 + 200 * std::sqrt((nearness - farthest) / (nearest - farthest)));
+}
+
+cv::Mat greyImage(const DepthView& depth) {
+  cv::Mat image(depth.height_px, depth.width_px, CV_8UC3);
+  for (int v = 0; v < image.rows; ++v)
+    for (int u = 0; u < image.cols; ++u) image.at<cv::Vec3b>(v, u) = cv::Vec3b::all(greyOf(depth.depthUm(u, v)));
+  return image;
+}
+
+void tint(const Segment& segment, cv::Mat* image) {
+  const cv::Vec3b colour = bgrOf(segment.id);
+  for (const std::uint32_t pixel : segment.pixels) {
+    cv::Vec3b& there = image->at<cv::Vec3b>(static_cast<int>(pixel) / image->cols, static_cast<int>(pixel) % image->cols);
+    for (int c = 0; c < 3; ++c) there[c] = cv::saturate_cast<std::uint8_t>(there[c] * 0.35 + colour[c] * 0.65);
+  }
+}
+
+void write(const std::string& text, cv::Point at, double size, cv::Mat* image) {
+  cv::putText(*image, text, at, cv::FONT_HERSHEY_SIMPLEX, size, cv::Scalar::all(0), 3, cv::LINE_AA);
+  cv::putText(*image, text, at, cv::FONT_HERSHEY_SIMPLEX, size, cv::Scalar::all(255), 1, cv::LINE_AA);
+}
+
+void drawObject(const Object& object, cv::Mat* image) {
+  const cv::Rect box(object.box.x_offset, object.box.y_offset, object.box.width, object.box.height);
+  cv::rectangle(*image, box, cv::Scalar(bgrOf(object.id)), 1);
+  const double size = image->cols / 1280.0;
+  write(captionOf(object), {box.x, std::max(box.y - 4, static_cast<int>(24 * size))}, size, image);
+}
+
+Marker marker(const Objects& objects, const char* ns, int id, int type) {
+  Marker m;
+  m.header = objects.header;
+  m.ns = ns;
+  m.id = id;
+  m.type = type;
+  m.action = Marker::ADD;
+  m.pose.orientation.w = 1;
+  return m;
+}
+
+Marker deletion(const Objects& objects, const char* ns, int id) {
+  Marker m = marker(objects, ns, id, Marker::CUBE);
+  m.action = Marker::DELETE;
+  return m;
+}
+
+void colour(int id, float alpha, Marker* m) {
+  const auto rgb = colourOf(id);
+  m->color.r = rgb[0] / 255.0f;
+  m->color.g = rgb[1] / 255.0f;
+  m->color.b = rgb[2] / 255.0f;
+  m->color.a = alpha;
+}
+
+Marker boxOf(const Objects& objects, const Object& object) {
+  Marker m = marker(objects, "box", object.id, Marker::CUBE);
+  m.pose = object.pose.pose;
+  m.scale.x = std::max(object.extents_m.x, kThinnest_m);
+  m.scale.y = std::max(object.extents_m.y, kThinnest_m);
+  m.scale.z = std::max(object.extents_m.z, kThinnest_m);
+  colour(object.id, 0.4f, &m);
+  return m;
+}
+
+// Above the box, along the table's normal.
+Marker captionMarker(const Objects& objects, const Object& object) {
+  Marker m = marker(objects, "label", object.id, Marker::TEXT_VIEW_FACING);
+  const Eigen::Vector3d up = eigenOf(object.pose.pose.orientation) * Eigen::Vector3d::UnitZ();
+  m.pose.position = pointOf(eigenOf(object.pose.pose.position) + up * (object.extents_m.z / 2 + kTextHeight_m));
+  m.scale.z = kTextHeight_m;
+  m.text = captionOf(object);
+  m.color.r = m.color.g = m.color.b = m.color.a = 1;
+  return m;
+}
+
+Marker outlineOf(const Objects& objects) {
+  if (objects.table.outline.empty()) return deletion(objects, "table", 0);
+  Marker m = marker(objects, "table", 0, Marker::LINE_STRIP);
+  m.points = objects.table.outline;
+  m.points.push_back(m.points.front());
+  m.scale.x = 0.004;
+  m.color.g = m.color.a = 1;
+  m.color.r = m.color.b = 0.4f;
+  return m;
+}
+
+bool isThere(const Objects& objects, int id) {
+  return std::any_of(objects.objects.begin(), objects.objects.end(), [id](const Object& object) { return object.id == id; });
+}
+
+}  // namespace
+
+std::string captionOf(const Object& object) {
+  if (object.label.empty()) return "?";
+  return object.label + " " + std::to_string(std::lround(object.score * 100)) + " %";
+}
+
+cv::Mat drawOverlay(const DepthView& depth, const Segments& segments, const Objects& objects) {
+  cv::Mat image = greyImage(depth);
+  for (const Segment& segment : segments.segments) tint(segment, &image);
+  for (const Object& object : objects.objects) drawObject(object, &image);
+  if (objects.objects.empty()) write(statusName(objects.status), {8, image.rows - 10}, image.cols / 1000.0, &image);
+  return image;
+}
+
+visualization_msgs::MarkerArray markersOf(const Objects& objects, const std::vector<std::uint16_t>& previous_ids) {
+  visualization_msgs::MarkerArray array;
+  array.markers.push_back(outlineOf(objects));
+  for (const Object& object : objects.objects) {
+    array.markers.push_back(boxOf(objects, object));
+    array.markers.push_back(captionMarker(objects, object));
+  }
+  for (const int id : previous_ids) {
+    if (isThere(objects, id)) continue;
+    array.markers.push_back(deletion(objects, "box", id));
+    array.markers.push_back(deletion(objects, "label", id));
+  }
+  return array;
+}
+
+}  // namespace voxid

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What people look at, from the messages alone: pure functions.
+#pragma once
+
+#include <visualization_msgs/MarkerArray.h>
+#include <voxid/Objects.h>
+#include <voxid/Segments.h>
+
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "voxid/core/depth_view.h"
+
+namespace voxid {
+
+/// "mug 87 %"; "?" for an unknown one.
+std::string captionOf(const Object& object);
+
+/// The depth image in grey, near things bright, with every object in its colour, its box and its caption; 8-bit BGR.
+cv::Mat drawOverlay(const DepthView& depth, const Segments& segments, const Objects& objects);
+
+/// Boxes (namespace "box", CUBE), captions ("label", TEXT_VIEW_FACING) by object id, and the table's outline ("table",
+/// LINE_STRIP, id 0) in the frame of `objects`. What the `previous_ids` objects of the message before had and this one has
+/// not is deleted.
+visualization_msgs::MarkerArray markersOf(const Objects& objects, const std::vector<std::uint16_t>& previous_ids);
+
+}  // namespace voxid

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lcm_bridge_nodelet.h"
+
+#include <pluginlib/class_list_macros.hpp>
+
+namespace voxid {
+namespace {
+
+constexpr double kRetry_s = 10;  // liblcm itself prints several lines at each failure
+
+std::string remedy(const std::string& url) {
+  return "cannot send over LCM at '" + url + "': without a network there is no multicast route "
+         "(ip link set lo up; ip route add 224.0.0.0/4 dev lo); a url looks like " + LcmBridgeNodelet::kDefaultUrl;
+}
+
+}  // namespace
+
+void LcmBridgeNodelet::onInit() {
+  url_ = getPrivateNodeHandle().param<std::string>("url", kDefaultUrl);
+  health_.start(getNodeHandle(), getPrivateNodeHandle(), getName());
+  health_.listening(true);
+  connect();
+  objects_ = getNodeHandle().subscribe("objects", 2, &LcmBridgeNodelet::onObjects, this);
+}
+
+void LcmBridgeNodelet::onObjects(const ObjectsConstPtr& objects) {
+  if (!connected()) return health_.dropped();
+  const object_list_t list = toLcm(*objects);
+  const bool sent = lcm_->publish(kChannel, &list) == 0;
+  sent ? health_.well() : health_.reason(Health::Level::Error, remedy(url_));
+  sent ? health_.frame(objects->header.stamp, statusName(objects->status)) : health_.dropped();
+}
+
+bool LcmBridgeNodelet::connected() {
+  if (!lcm_->good() && ros::SteadyTime::now() > next_try_) connect();
+  return lcm_->good();
+}
+
+void LcmBridgeNodelet::connect() {
+  lcm_ = std::make_unique<lcm::LCM>(url_);
+  next_try_ = ros::SteadyTime::now() + ros::WallDuration(kRetry_s);
+  lcm_->good() ? health_.well() : health_.reason(Health::Level::Error, remedy(url_));
+}
+
+}  // namespace voxid
+
+PLUGINLIB_EXPORT_CLASS(voxid::LcmBridgeNodelet, nodelet::Nodelet)

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "overlay_nodelet.h"
+
+#include <cv_bridge/cv_bridge.h>
+#include <pluginlib/class_list_macros.hpp>
+#include <sensor_msgs/image_encodings.h>
+
+#include "conversions.h"
+#include "drawing.h"
+
+namespace voxid {
+
+void OverlayNodelet::onInit() {
+  ros::NodeHandle& node = getNodeHandle();
+  health_.start(node, getPrivateNodeHandle(), getName());
+  frames_ = std::make_unique<message_filters::Synchronizer<Frame>>(Frame(8), image_, info_, segments_, objects_);
+  frames_->registerCallback(&OverlayNodelet::onFrame, this);
+  frames_->registerDropCallback([this](const auto&, const auto&, const auto&, const auto&) { health_.dropped(); });
+
+  // The callback may come before advertise has returned, and then must wait for the publishers.
+  const std::lock_guard<std::mutex> lock(listeners_mutex_);
+  const ros::SubscriberStatusCallback changed = [this](const ros::SingleSubscriberPublisher&) { onListeners(); };
+  markers_ = node.advertise<visualization_msgs::MarkerArray>("markers", 2, changed, changed);
+  overlay_ = node.advertise<sensor_msgs::Image>("overlay/image_raw", 2, changed, changed);
+}
+
+void OverlayNodelet::onListeners() {
+  const std::lock_guard<std::mutex> lock(listeners_mutex_);
+  const bool markers = markers_.getNumSubscribers() > 0, overlay = overlay_.getNumSubscribers() > 0;
+  health_.listening(markers || overlay);
+  listenForMarkers(markers);
+  listenForOverlay(overlay);
+}
+
+void OverlayNodelet::listenForMarkers(bool wanted) {
+  if (wanted == static_cast<bool>(marker_objects_)) return;
+  if (wanted)
+    marker_objects_ = getNodeHandle().subscribe("objects", 1, &OverlayNodelet::onObjects, this);
+  else
+    marker_objects_.shutdown();
+}
+
+void OverlayNodelet::listenForOverlay(bool wanted) {
+  if (wanted == static_cast<bool>(objects_.getSubscriber())) return;
+  if (wanted) {
+    image_.subscribe(getNodeHandle(), "depth/image_raw", 8);
+    info_.subscribe(getNodeHandle(), "depth/camera_info", 8);
+    segments_.subscribe(getNodeHandle(), "segments", 8);
+    objects_.subscribe(getNodeHandle(), "objects", 1);
+  } else {
+    image_.unsubscribe();
+    info_.unsubscribe();
+    segments_.unsubscribe();
+    objects_.unsubscribe();
+  }
+}
+
+void OverlayNodelet::onObjects(const ObjectsConstPtr& objects) {
+  markers_.publish(markersOf(*objects, shown_ids_));
+  shown_ids_.clear();
+  for (const Object& object : objects->objects) shown_ids_.push_back(object.id);
+  health_.frame(objects->header.stamp, statusName(objects->status));
+}
+
+void OverlayNodelet::onFrame(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info,
+                             const SegmentsConstPtr& segments, const ObjectsConstPtr& objects) {
+  const Result<DepthView> depth = viewOf(*image, *info);
+  if (!depth.ok() || !fit(*segments, depth.value)) return;
+  const cv::Mat drawing = drawOverlay(depth.value, *segments, *objects);
+  overlay_.publish(cv_bridge::CvImage(image->header, sensor_msgs::image_encodings::BGR8, drawing).toImageMsg());
+  health_.frame(image->header.stamp, statusName(objects->status));
+}
+
+}  // namespace voxid
+
+PLUGINLIB_EXPORT_CLASS(voxid::OverlayNodelet, nodelet::Nodelet)

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <message_filters/subscriber.h>
+#include <message_filters/sync_policies/exact_time.h>
+#include <message_filters/synchronizer.h>
+#include <nodelet/nodelet.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Image.h>
+#include <voxid/Objects.h>
+#include <voxid/Segments.h>
+
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "health.h"
+
+namespace voxid {
+
+/// For people: objects -> markers, and depth/image_raw + segments + objects of one stamp -> overlay/image_raw.
+/// Each only while somebody listens to it.
+class OverlayNodelet : public nodelet::Nodelet {
+ private:
+  // The target frame of `objects` does not matter: what belongs together has the same stamp.
+  using Frame = message_filters::sync_policies::ExactTime<sensor_msgs::Image, sensor_msgs::CameraInfo, Segments, Objects>;
+
+  void onInit() override;
+  void onListeners();
+  void listenForMarkers(bool wanted);
+  void listenForOverlay(bool wanted);
+  void onObjects(const ObjectsConstPtr& objects);
+  void onFrame(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info,
+               const SegmentsConstPtr& segments, const ObjectsConstPtr& objects);
+
+  std::mutex listeners_mutex_;
+  std::vector<std::uint16_t> shown_ids_;
+  Health health_;
+  ros::Publisher markers_, overlay_;
+  ros::Subscriber marker_objects_;
+  message_filters::Subscriber<sensor_msgs::Image> image_;
+  message_filters::Subscriber<sensor_msgs::CameraInfo> info_;
+  message_filters::Subscriber<Segments> segments_;
+  message_filters::Subscriber<Objects> objects_;
+  std::unique_ptr<message_filters::Synchronizer<Frame>> frames_;
+};
+
+}  // namespace voxid

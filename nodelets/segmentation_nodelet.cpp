@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "segmentation_nodelet.h"
+
+#include <boost/make_shared.hpp>
+#include <pluginlib/class_list_macros.hpp>
+
+#include "stopwatch.h"
+
+namespace voxid {
+
+void SegmentationNodelet::onInit() {
+  ros::NodeHandle& node = getNodeHandle();
+  health_.start(node, getPrivateNodeHandle(), getName());
+  config_ = std::make_unique<dynamic_reconfigure::Server<SegmentationConfig>>(getPrivateNodeHandle());
+  config_->setCallback([this](SegmentationConfig& config, std::uint32_t) { onConfig(config); });
+
+  frames_ = std::make_unique<message_filters::Synchronizer<Frame>>(Frame(4), image_, info_);
+  frames_->registerCallback(&SegmentationNodelet::onFrame, this);
+  frames_->registerDropCallback([this](const auto&, const auto&) { health_.dropped(); });
+
+  // The callback may come before advertise has returned, and then must wait for the publishers.
+  const std::lock_guard<std::mutex> lock(listeners_mutex_);
+  const ros::SubscriberStatusCallback changed = [this](const ros::SingleSubscriberPublisher&) { onListeners(); };
+  segments_ = node.advertise<Segments>("segments", 2, changed, changed);
+  cloud_ = node.advertise<sensor_msgs::PointCloud2>("cloud", 1, changed, changed);
+}
+
+void SegmentationNodelet::onListeners() {
+  const std::lock_guard<std::mutex> lock(listeners_mutex_);
+  const bool wanted = segments_.getNumSubscribers() + cloud_.getNumSubscribers() > 0;
+  const bool subscribed = static_cast<bool>(image_.getSubscriber());
+  if (wanted == subscribed) return;
+  health_.listening(wanted);
+  if (wanted) {
+    // Images wait for their camera_info; of those only the newest is kept, so that a late frame never delays the next.
+    image_.subscribe(getNodeHandle(), "depth/image_raw", 4);
+    info_.subscribe(getNodeHandle(), "depth/camera_info", 1);
+  } else {
+    image_.unsubscribe();
+    info_.unsubscribe();
+  }
+}
+
+void SegmentationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info) {
+  const Result<DepthView> depth = viewOf(*image, *info);
+  const auto segments = segment(depth, image->header);
+  segments_.publish(segments);
+  if (depth.ok()) publishCloud(depth.value, *segments);
+  health_.frame(image->header.stamp, statusName(segments->status));
+  health_.reason(depth.ok() ? Health::Level::Ok : Health::Level::Error, depth.status.sentence);
+}
+
+boost::shared_ptr<Segments> SegmentationNodelet::segment(const Result<DepthView>& depth, const std_msgs::Header& header) {
+  const Stopwatch watch;
+  const auto segments = boost::make_shared<Segments>();
+  segments->header = header;
+  segments->status = static_cast<std::uint8_t>(SceneStatus::BadInput);
+  if (depth.ok())
+    fillSegments(segmenter_.segment(depth.value, params()), depth.value.width_px, depth.value.height_px, segments.get());
+  segments->segment_ms = watch.ms();
+  return segments;
+}
+
+void SegmentationNodelet::publishCloud(const DepthView& depth, const Segments& segments) {
+  if (cloud_.getNumSubscribers() == 0) return;
+  cloud_.publish(boost::make_shared<sensor_msgs::PointCloud2>(cloudOf(depth, segments)));
+}
+
+void SegmentationNodelet::onConfig(const SegmentationConfig& config) {
+  const std::lock_guard<std::mutex> lock(params_mutex_);
+  params_ = paramsOf(config);
+}
+
+SegmentParams SegmentationNodelet::params() const {
+  const std::lock_guard<std::mutex> lock(params_mutex_);
+  return params_;
+}
+
+}  // namespace voxid
+
+PLUGINLIB_EXPORT_CLASS(voxid::SegmentationNodelet, nodelet::Nodelet)

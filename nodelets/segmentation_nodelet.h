@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <dynamic_reconfigure/server.h>
+#include <message_filters/subscriber.h>
+#include <message_filters/sync_policies/exact_time.h>
+#include <message_filters/synchronizer.h>
+#include <nodelet/nodelet.h>
+
+#include <memory>
+#include <mutex>
+
+#include "conversions.h"
+#include "health.h"
+#include "params.h"
+#include "voxid/geometry/segmenter.h"
+
+namespace voxid {
+
+/// depth/image_raw + depth/camera_info -> segments, and cloud if somebody listens to it. A busy nodelet takes the newest
+/// frame next and counts the others as dropped.
+class SegmentationNodelet : public nodelet::Nodelet {
+ private:
+  using Frame = message_filters::sync_policies::ExactTime<sensor_msgs::Image, sensor_msgs::CameraInfo>;
+
+  void onInit() override;
+  void onListeners();
+  void onFrame(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info);
+  void onConfig(const SegmentationConfig& config);
+  boost::shared_ptr<Segments> segment(const Result<DepthView>& depth, const std_msgs::Header& header);
+  void publishCloud(const DepthView& depth, const Segments& segments);
+  SegmentParams params() const;
+
+  std::mutex listeners_mutex_;
+  mutable std::mutex params_mutex_;
+  SegmentParams params_;
+  Segmenter segmenter_;
+  Health health_;
+  ros::Publisher segments_, cloud_;
+  message_filters::Subscriber<sensor_msgs::Image> image_;
+  message_filters::Subscriber<sensor_msgs::CameraInfo> info_;
+  std::unique_ptr<message_filters::Synchronizer<Frame>> frames_;
+  std::unique_ptr<dynamic_reconfigure::Server<SegmentationConfig>> config_;
+};
+
+}  // namespace voxid
