@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "classification_nodelet.h"
 
+#include <boost/bind/bind.hpp>
 #include <boost/make_shared.hpp>
 #include <pluginlib/class_list_macros.hpp>
 
@@ -43,9 +44,8 @@ void ClassificationNodelet::onInit() {
   followIndex(watch_.index() != nullptr);
 
   frames_ = std::make_unique<message_filters::Synchronizer<Frame>>(Frame(8), image_, info_, segments_);
-  frames_->registerCallback(boost::bind(&ClassificationNodelet::onFrame, this, boost::placeholders::_1,
-                                        boost::placeholders::_2, boost::placeholders::_3));
-  frames_->registerDropCallback([this](const auto&, const auto&, const auto&) { health_.dropped(); });
+  frames_->registerCallback(&ClassificationNodelet::onFrame, this);
+  frames_->registerDropCallback(boost::bind(&Health::dropped, &health_));
 
   // The callback may come before advertise has returned, and then must wait for the publisher.
   const std::lock_guard<std::mutex> lock(listeners_mutex_);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "overlay_nodelet.h"
 
+#include <boost/bind/bind.hpp>
 #include <cv_bridge/cv_bridge.h>
 #include <pluginlib/class_list_macros.hpp>
 #include <sensor_msgs/image_encodings.h>
@@ -15,7 +16,7 @@ void OverlayNodelet::onInit() {
   health_.start(node, getPrivateNodeHandle(), getName());
   frames_ = std::make_unique<message_filters::Synchronizer<Frame>>(Frame(8), image_, info_, segments_, objects_);
   frames_->registerCallback(&OverlayNodelet::onFrame, this);
-  frames_->registerDropCallback([this](const auto&, const auto&, const auto&, const auto&) { health_.dropped(); });
+  frames_->registerDropCallback(boost::bind(&Health::dropped, &health_));
 
   // The callback may come before advertise has returned, and then must wait for the publishers.
   const std::lock_guard<std::mutex> lock(listeners_mutex_);

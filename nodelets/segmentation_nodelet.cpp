@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "segmentation_nodelet.h"
 
+#include <boost/bind/bind.hpp>
 #include <boost/make_shared.hpp>
 #include <pluginlib/class_list_macros.hpp>
 
@@ -16,7 +17,7 @@ void SegmentationNodelet::onInit() {
 
   frames_ = std::make_unique<message_filters::Synchronizer<Frame>>(Frame(4), image_, info_);
   frames_->registerCallback(&SegmentationNodelet::onFrame, this);
-  frames_->registerDropCallback([this](const auto&, const auto&) { health_.dropped(); });
+  frames_->registerDropCallback(boost::bind(&Health::dropped, &health_));
 
   // The callback may come before advertise has returned, and then must wait for the publishers.
   const std::lock_guard<std::mutex> lock(listeners_mutex_);
