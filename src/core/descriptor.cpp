@@ -11,7 +11,6 @@ namespace voxid {
 namespace {
 
 constexpr std::uint32_t kMaxPoints = 65536;
-constexpr std::uint32_t kMaxPairs = 1000000;
 constexpr int kFineBins = 128, kCoarseBins = 32, kKindBins = 64, kRatioBins = 64;
 constexpr int kKinds = 3;
 

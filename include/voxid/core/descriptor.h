@@ -33,9 +33,12 @@ using Descriptor = std::array<std::uint8_t, kDescriptorBytes>;
 /// What the paper leaves open; each choice with its figure in doc/descriptor.md. The values go into every index, and an
 /// index made with others is refused.
 struct DescriptorParams {
-  std::uint32_t pairs = 10000;  ///< lines drawn; below 4,000 histogram noise costs accuracy, above 10,000 nothing is gained
+  std::uint32_t pairs = 10000;  ///< lines drawn, 1 to kMaxPairs (clamped): below 4,000 histogram noise costs accuracy,
+                                ///< above 10,000 nothing is gained; time grows in proportion
   std::uint32_t seed = 1;       ///< of the own generator; nothing else is random
 };
+
+constexpr std::uint32_t kMaxPairs = 1000000;
 
 enum class DescribeStatus : std::uint8_t {
   Ok,
@@ -49,7 +52,7 @@ struct Described {
   Descriptor bins{};
 };
 
-/// Makes descriptors. All memory (about 1.3 MiB) is taken at construction; `describe` allocates nothing, has no state
+/// Makes descriptors. All memory (about 1.4 MiB) is taken at construction; `describe` allocates nothing, has no state
 /// that lasts from one call to the next, and does at most `pairs` x 62 grid reads after one pass over the points.
 /// One object a thread.
 class Describer {
@@ -60,10 +63,12 @@ class Describer {
   Describer& operator=(Describer&&) noexcept;
 
   /// The paper's descriptor of a point set, Sec. IV.A: a function of the points (in their order), organised or not.
-  /// Invariant to translation exactly and to scale up to rounding. Above 65,536 points every n-th is taken, evenly.
+  /// Invariant to translation exactly, to a doubled scale exactly and to others up to rounding. Any int32 coordinates.
+  /// Above 65,536 points every n-th is taken, evenly.
   Described describe(Span<const PointUm> points);
 
-  /// The same for the pixels (row * width + column) of a depth image; pixels without depth are left out.
+  /// The same for the pixels (row * width + column) of a depth image; pixels without depth or outside the image are left
+  /// out. Empty without a valid camera.
   Described describe(const DepthView& depth, Span<const std::uint32_t> pixels);
 
   const DescriptorParams& params() const;

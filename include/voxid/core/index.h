@@ -51,17 +51,31 @@ class Index {
 
   /// A string of STRS; always terminated inside the section. An offset outside comes back empty.
   std::string_view string(std::uint32_t offset) const;
-  std::string_view categoryName(std::uint32_t category) const { return string(categories_[category].name); }
-  std::string_view modelName(std::uint32_t model) const { return string(models_[model].name); }
+  /// Empty for a number that the index does not have.
+  std::string_view categoryName(std::uint32_t category) const {
+    return category < categories_.size ? string(categories_[category].name) : std::string_view();
+  }
+  std::string_view modelName(std::uint32_t model) const {
+    return model < models_.size ? string(models_[model].name) : std::string_view();
+  }
+
+  /// The whole file, and its section table.
+  Span<const std::uint8_t> file() const { return {file_, mapped_bytes_}; }
+  Span<const format::Section> sections() const { return sections_; }
 
  private:
   Index() = default;
-  Status locate(const std::string& path);
+  Status map();
+  Status checkHeader() const;
+  Status checkSections() const;
+  Status checkParameters() const;
+  Status locate();
 
   std::string path_;
   const std::uint8_t* file_ = nullptr;
   std::size_t mapped_bytes_ = 0;
   const format::Header* header_ = nullptr;
+  Span<const format::Section> sections_;
   const format::Parameters* parameters_ = nullptr;
   const format::Calibration* calibration_ = nullptr;
   Span<const format::Category> categories_;
