@@ -43,7 +43,8 @@ format::Calibration builtInCalibration();
 /// Writes a .vxi file beside `path`, fsyncs and renames: readers see the old file or the new one, whole. The bytes depend
 /// on the content only. Refuses (CannotDo) what a reader could not rely on: no model at all, a model without a view, two
 /// models of one category with the same name, two synsets for one category, an empty category or model name, views that
-/// do not ascend or name no direction, a code of another length. Nothing is left beside `path` if it fails.
+/// do not ascend or name no direction, a code of another length, a calibration that falls, parameters out of range.
+/// Nothing is left beside `path` if it fails.
 Status writeIndex(const IndexContent& content, const std::string& path);
 
 /// The content of an index, such that writing it gives the same bytes again. The index should have passed `verify`;
