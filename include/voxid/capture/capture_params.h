@@ -16,4 +16,13 @@ struct CaptureParams {
   int stamp_offset_ms = 0;
 };
 
+/// visit(name, value, least, most) for each parameter: for programs that set them by name.
+template <typename Visit>
+void visitParams(CaptureParams& params, Visit visit) {
+  visit("stall_ms", params.stall_ms, 100, 60000);
+  visit("retry_first_ms", params.retry_first_ms, 10, 60000);
+  visit("retry_most_ms", params.retry_most_ms, 10, 60000);
+  visit("stamp_offset_ms", params.stamp_offset_ms, -200, 200);
+}
+
 }  // namespace voxid

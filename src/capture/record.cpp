@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxid/capture/record.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cstdio>
+
+#include "parts.h"
+
+namespace voxid {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr int kSlice_ms = 100;  // how soon `stop` is noticed
+
+double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+bool done(const RecordLimits& limits, const RecordReport& report) {
+  return (limits.stop && *limits.stop) || (limits.frames > 0 && report.frames >= limits.frames) ||
+         (limits.seconds > 0 && report.seconds >= limits.seconds);
+}
+
+/// Reads until a limit; the recorder takes its own copy of each frame.
+Status follow(Device& device, const RecordLimits& limits, RecordReport& report, const std::function<void(int)>& progress) {
+  const auto start = Clock::now();
+  auto last_frame = start;
+  CaptureFrame frame;
+  while (!done(limits, report)) {
+    const Device::Event event = device.wait(kSlice_ms, frame);
+    report.seconds = secondsSince(start);
+    if (event == Device::Event::End) return {};
+    if (event == Device::Event::Disconnected)
+      return Status::cannotDo("device " + device.description().uri + " vanished after " + std::to_string(report.frames) + " frames");
+    if (event == Device::Event::Frame) last_frame = Clock::now();
+    else if (secondsSince(last_frame) * 1000 > limits.silence_ms)
+      return Status::cannotDo("device " + device.description().uri + " has sent no frame for " + std::to_string(limits.silence_ms) + " ms");
+    if (event != Device::Event::Frame || frame.sensor != Sensor::Depth) continue;
+    ++report.frames;
+    if (progress) progress(report.frames);
+  }
+  return {};
+}
+
+Status startRecorder(openni::Recorder& recorder, Device& device, const std::string& path) {
+  bool ok = recorder.create(path.c_str()) == openni::STATUS_OK;
+  for (SensorStream& sensor : device.parts().sensors)
+    if (ok && sensor.open()) ok = recorder.attach(sensor.stream, false) == openni::STATUS_OK;
+  if (ok && recorder.start() == openni::STATUS_OK) return {};
+  return Status::cannotDo(path + " cannot be recorded to (" + openNiComplaint() + "); is the folder there and writable?");
+}
+
+Status publishFile(const std::string& beside, const std::string& path) {
+  const int fd = open(beside.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool safe = fd >= 0 && fsync(fd) == 0;
+  if (fd >= 0) close(fd);
+  if (safe && std::rename(beside.c_str(), path.c_str()) == 0) return {};
+  return Status::cannotDo(path + " cannot be written; is the disk full or the folder read-only?");
+}
+
+}  // namespace
+
+Status record(Device& device, const std::string& path, const RecordLimits& limits, RecordReport& report,
+              const std::function<void(int)>& progress) {
+  const std::string beside = path + ".part-" + std::to_string(getpid());
+  openni::Recorder recorder;
+  Status status = startRecorder(recorder, device, beside);
+  if (status.ok()) status = device.setStreaming(true, device.hasColour());
+  if (status.ok()) status = follow(device, limits, report, progress);
+  recorder.stop();
+  recorder.destroy();
+  (void)device.setStreaming(false, false);
+  if (status.ok() && report.frames == 0) status = Status::cannotDo("nothing was recorded: no frame came before the stop");
+  const Status written = report.frames > 0 ? publishFile(beside, path) : Status{};
+  if (report.frames == 0 || !written.ok()) std::remove(beside.c_str());
+  return status.ok() ? written : status;
+}
+
+}  // namespace voxid
