@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "voxid/core/descriptor.h"
+#include "voxid/core/status.h"
+#include "voxid/library/mesh_reader.h"
+
+namespace voxid {
+
+struct BuildOptions {
+  std::string models;  ///< folder of folders: <category>/<model>.<ext>; links are followed; library.json if there (doc/build.md)
+  std::string out;     ///< the index; what it held before stays readable until the new one is whole
+  int jobs = 1;        ///< worker processes; the bytes of the index do not depend on it
+  bool resume = false;   ///< take what an interrupted build of the same models and settings left in <out>.parts
+  int views_every = 1;   ///< take every n-th of the 80 directions; 4 gives the 20 of the plain icosahedron
+  DescriptorParams params;
+  MeshReaderLimits mesh_limits;
+};
+
+struct SkippedModel {
+  std::string model;  ///< <category>/<file>
+  std::string reason;
+};
+
+struct BuildReport {
+  int categories = 0, models = 0, views = 0;  ///< in the index
+  std::uint64_t bytes = 0;                    ///< of the index
+  int calibration_samples = 0;                ///< 0: too few models, the built-in curve was taken
+  std::vector<SkippedModel> skipped;          ///< by name
+  std::vector<std::string> empty_categories;  ///< folders without a readable model, by name
+};
+
+/// What a build says while it runs, from the calling thread.
+class BuildListener {
+ public:
+  virtual ~BuildListener() = default;
+  virtual void onModel(const std::string& /*model*/, int /*views*/) {}
+  virtual void onSkipped(const SkippedModel& /*skipped*/) {}
+  /// Some ten times a second. `done` counts skipped ones too.
+  virtual void onProgress(int /*done*/, int /*models*/, std::uint64_t /*views*/) {}
+};
+
+/// Renders every model, describes the views, learns the calibration and writes the index. Models are worked on in
+/// processes of their own: one that crashes costs the model that it was at. Call it from a process with one thread.
+/// CannotDo: no such folder, something cannot be written, another build of the same index runs. BadUse: a value out of
+/// range. Damaged: library.json. NothingFound: no model is left. If it fails, `out` is as it was before.
+Result<BuildReport> buildIndex(const BuildOptions& options, BuildListener& listener);
+
+}  // namespace voxid

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "voxid/core/depth_view.h"
+#include "voxid/library/mesh.h"
+
+namespace voxid {
+
+/// Where something stands: q = rotation * (scale * p) + translation.
+struct Placement {
+  Eigen::Matrix3f rotation = Eigen::Matrix3f::Identity();
+  Eigen::Vector3f translation{0, 0, 0};
+  float scale = 1;
+
+  Eigen::Vector3f operator()(const Eigen::Vector3f& p) const { return rotation * (scale * p) + translation; }
+};
+
+/// Centres a mesh on its box and makes the box's diagonal 1.
+Placement unitPlacement(const Mesh& mesh);
+
+/// Image size and pinhole intrinsics.
+struct Imager {
+  int width_px = 640, height_px = 480;
+  Camera camera = Camera::fromPixels(525, 525, 319.5, 239.5);
+};
+
+/// A rectangle of pixels; empty if width or height is 0.
+struct PixelBox {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
+/// What a ray met.
+struct Hit {
+  float depth_mm = 0;       ///< along the optical axis; 0 = nothing
+  float cosine = 0;         ///< between ray and surface normal, without sign: 1 = seen frontally, 0 = grazing
+  std::uint16_t object = 0;  ///< 1 + the number of the mesh in its scene; 0 = nothing
+};
+
+/// Meshes to cast rays at (Embree, pinned to one thread and one instruction set, so that one processor answers as
+/// another). Both sides of a triangle are solid; surfaces need not be closed. Not to be shared between threads.
+class RayScene {
+ public:
+  RayScene();
+  ~RayScene();
+  RayScene(RayScene&&) noexcept;
+  RayScene& operator=(RayScene&&) noexcept;
+
+  /// Adds a mesh at its place in the scene; the number of the mesh.
+  int add(const Mesh& mesh, const Placement& placement);
+  /// After the last add(), before the first ray.
+  void commit();
+
+  /// The first surface that the ray through image point (u, v), in pixels, meets. `pose` takes scene to camera, millimetres.
+  Hit cast(const Camera& camera, const Placement& pose, float u, float v) const;
+  /// Whether a surface lies between two points of the camera's frame, millimetres.
+  bool blocked(const Placement& pose, const Eigen::Vector3f& from_mm, const Eigen::Vector3f& to_mm) const;
+  /// Pixels that the scene can fall on; the whole image if a part of the scene lies behind the camera.
+  PixelBox projectedBox(const Imager& imager, const Placement& pose) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Every pixel's hit, through pixel centres: the view of an ideal sensor.
+struct RenderedView {
+  int width_px = 0, height_px = 0;
+  std::vector<Hit> hits;  ///< row-major
+};
+RenderedView render(const RayScene& scene, const Imager& imager, const Placement& pose);
+
+}  // namespace voxid

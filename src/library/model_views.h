@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A mesh becomes the views of an index.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "voxid/library/index_writer.h"
+#include "voxid/library/mesh.h"
+
+namespace voxid {
+
+/// A raised number makes shards of earlier builds useless to --resume: for any change of what a view looks like.
+constexpr std::uint32_t kRecipeRevision = 1;
+
+struct ModelViews {
+  std::vector<ViewRecord> views;             ///< by ascending direction
+  std::vector<std::uint8_t> calibration;  ///< code of one more view, from a random direction; empty if it showed nothing
+  std::string refusal;                    ///< why there are no views
+};
+
+/// `name` seeds everything that is random: size, distance, roll, noise. Only every n-th direction if `views_every` is n.
+ModelViews makeViews(const Mesh& mesh, const std::string& name, int views_every, Describer& describer);
+
+}  // namespace voxid
