@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <iostream>
+#include <opencv2/core/utils/logger.hpp>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -30,13 +34,17 @@ constexpr SubCommand kSubCommands[] = {
 };
 
 int fail(const Status& status) {
-  std::fprintf(stderr, "voxid: %s\n", status.sentence.c_str());
+  std::fflush(stdout);
+  std::string sentence = status.sentence;  // other libraries' messages may have several lines
+  std::replace(sentence.begin(), sentence.end(), '\n', ' ');
+  std::fprintf(stderr, "voxid: %s\n", sentence.c_str());
   return static_cast<int>(status.kind);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) try {
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // what is wrong is said once, by us
   CLI::App app{"voxid names the things on a table"};
   app.set_version_flag("--version", "voxid " VOXID_VERSION);
   app.require_subcommand(1);

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// voxid classify: what an object is, or the objects of a scene.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <opencv2/imgproc.hpp>
+
+#include "command.h"
+#include "depth_file.h"
+#include "recogniser.h"
+#include "scene_json.h"
+#include "settings.h"
+#include "voxid/geometry/segmenter.h"
+
+namespace voxid::cli {
+namespace {
+
+struct Options {
+  std::vector<std::string> files;
+  std::string index;
+  CameraChoice camera;
+  SearchChoice search;
+  std::vector<std::string> settings;  ///< name=value
+  bool scene = false, json = false, vote = false, one_nn = false;
+  double min_score = ClassifyParams{}.min_score_permille / 1000.0;
+  std::string plot, labels;
+
+  ClassifyMethod method() const {
+    if (vote || one_nn) return vote ? ClassifyMethod::Vote : ClassifyMethod::OneNn;
+    return ClassifyParams{}.vote ? ClassifyMethod::Vote : ClassifyMethod::OneNn;
+  }
+  int minScorePermille() const { return static_cast<int>(std::lround(min_score * 1000)); }
+};
+
+/// Everything that lasts from frame to frame.
+struct Session {
+  const Options& options;
+  Recogniser recogniser;
+  Segmenter segmenter;
+  SegmentParams params;
+
+  Answer recognise(const DepthView& depth, Span<const std::uint32_t> pixels) {
+    return recogniser.recognise(depth, pixels, options.method(), options.minScorePermille());
+  }
+};
+
+std::string rankedText(const Index& index, const Answer& answer) {
+  std::string text;
+  for (int i = 0; i < std::min(answer.count, 5); ++i) {
+    const Alternative& a = answer.alternatives[static_cast<std::size_t>(i)];
+    char score[32];
+    std::snprintf(score, sizeof score, " %.3f", a.score_permille / 1000.0);
+    text += (i ? ", " : "") + std::string(index.categoryName(a.category)) + score;
+  }
+  return text;
+}
+
+void printRow(const Index& index, const Answer& answer, const std::string& what) {
+  Json fields;
+  addAnswer(index, answer, fields);
+  const std::string view = fields["view"].is_null() ? "-" : std::to_string(fields["view"].get<int>());
+  const auto label = fields["label"].get<std::string>(), model = fields["model"].get<std::string>();
+  std::printf("%-28s %-18s %.3f  %s, view %s  [%s]\n", what.c_str(), label.empty() ? "?" : label.c_str(),
+              answer.score_permille / 1000.0, model.empty() ? "-" : model.c_str(), view.c_str(),
+              rankedText(index, answer).c_str());
+}
+
+cv::Mat drawAnswer(const DepthView& depth, const Index& index, const Answer& answer) {
+  cv::Mat picture = drawScene(depth, Scene{});
+  for (int i = 0; i < answer.count; ++i) {
+    const Alternative& a = answer.alternatives[static_cast<std::size_t>(i)];
+    const std::string text =
+        std::string(index.categoryName(a.category)) + " " + std::to_string(a.score_permille / 10) + " %";
+    const int y = 20 * (i + 1);
+    cv::rectangle(picture, {4, y - 12}, {4 + a.score_permille / 10, y + 3}, {150, 100, 40}, cv::FILLED);
+    cv::putText(picture, text, {8, y}, cv::FONT_HERSHEY_SIMPLEX, 0.45, {255, 255, 255}, 1, cv::LINE_AA);
+  }
+  return picture;
+}
+
+Status writePlot(const Options& options, const std::string& file, const cv::Mat& picture) {
+  return writeImage(plotPath(options.plot, file, options.files.size() == 1), picture);
+}
+
+/// The frame shows one object and nothing else.
+Result<SceneStatus> classifyObject(Session& session, const DepthFile& file) {
+  const DepthView depth = file.view();
+  const std::vector<std::uint32_t> pixels = setPixels(depth);
+  const Answer answer = session.recognise(depth, {pixels.data(), pixels.size()});
+  const Index& index = session.recogniser.index();
+  if (session.options.json) {
+    Json line;
+    line["file"] = file.path;
+    addAnswer(index, answer, line);
+    line["pixels"] = pixels.size();
+    std::cout << lineOf(line) << std::flush;
+  } else {
+    printRow(index, answer, file.path);
+  }
+  if (!session.options.plot.empty()) {
+    const Status status = writePlot(session.options, file.path, drawAnswer(depth, index, answer));
+    if (!status.ok()) return status;
+  }
+  return answer.count > 0 ? SceneStatus::Ok : SceneStatus::NoDepth;
+}
+
+void printScene(const Session& session, const std::string& file, const Scene& scene,
+                const std::vector<Answer>& answers) {
+  const Index& index = session.recogniser.index();
+  if (!session.options.json) {
+    std::printf("%s: %s, %s\n", file.c_str(), nameOf(scene.status), sentenceOf(scene.status));
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+      printRow(index, answers[i], "  object " + std::to_string(scene.clusters[i].id));
+    }
+    return;
+  }
+  Json line = toJson(file, scene);
+  for (std::size_t i = 0; i < answers.size(); ++i) addAnswer(index, answers[i], line["objects"][i]);
+  std::cout << lineOf(line) << std::flush;
+}
+
+Status writePictures(const Session& session, const DepthFile& file, const Scene& scene,
+                     const std::vector<Answer>& answers) {
+  const Options& options = session.options;
+  if (!options.labels.empty()) {
+    const Status status = writeLabels(options.labels, file.path, labelImage(scene, file.pixels.cols, file.pixels.rows));
+    if (!status.ok()) return status;
+  }
+  if (options.plot.empty()) return {};
+  std::vector<std::string> captions;
+  for (const Answer& answer : answers) captions.push_back(captionOf(session.recogniser.index(), answer));
+  return writePlot(options, file.path, drawScene(file.view(), scene, captions));
+}
+
+/// The frame shows a table with objects.
+Result<SceneStatus> classifyScene(Session& session, const DepthFile& file) {
+  const Scene& scene = session.segmenter.segment(file.view(), session.params);
+  std::vector<Answer> answers;
+  for (const Cluster& cluster : scene.clusters) answers.push_back(session.recognise(file.view(), cluster.pixels));
+  printScene(session, file.path, scene, answers);
+  const Status written = writePictures(session, file, scene, answers);
+  if (!written.ok()) return written;
+  return scene.status;
+}
+
+Status objectsStatus(const std::vector<SceneStatus>& frames, const std::string& first_file) {
+  const auto isOk = [](SceneStatus s) { return s == SceneStatus::Ok; };
+  if (std::any_of(frames.begin(), frames.end(), isOk)) return {};
+  const std::string where =
+      frames.size() == 1 ? first_file : "all " + std::to_string(frames.size()) + " frames, first " + first_file;
+  return Status::nothingFound(where +
+                              ": nothing to classify; expected an object's pixels, at least two of them apart, "
+                              "with depth and all others 0 (whole scenes: --scene)");
+}
+
+Status classifyFiles(Session& session) {
+  std::vector<SceneStatus> statuses;
+  const Options& options = session.options;
+  for (const std::string& path : options.files) {
+    const Result<DepthFile> file = readDepthFile(path, options.camera);
+    if (!file.ok()) return file.status;
+    const auto status = options.scene ? classifyScene(session, file.value) : classifyObject(session, file.value);
+    if (!status.ok()) return status.status;
+    statuses.push_back(status.value);
+  }
+  return options.scene ? statusOf(statuses, options.files.front()) : objectsStatus(statuses, options.files.front());
+}
+
+Status run(const Options& options) {
+  if (!options.scene && !(options.labels.empty() && options.settings.empty())) {
+    return Status::badUse("classify: --labels and --set are for whole scenes; add --scene");
+  }
+  SegmentParams params;
+  const Status set = applySettings(options.settings, params);
+  if (!set.ok()) return set;
+  const auto index = Index::open(options.index);
+  if (!index.ok()) return index.status;
+  Session session{options, Recogniser(index.value, options.search), Segmenter(), params};
+  return classifyFiles(session);
+}
+
+}  // namespace
+
+Run addClassify(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  app.add_option("files", options->files, "Depth images")->type_name("FILES")->required();
+  app.add_option("--index", options->index, "The index (.vxi) to compare with")->type_name("FILE")->required();
+  options->camera.addTo(app);
+  app.add_flag("--scene", options->scene,
+               "Find the table and name what stands on it; without, the set pixels are the object");
+  app.add_flag("--json", options->json, "One object a frame and line");
+  options->search.addTo(app);
+  CLI::Option* const vote = app.add_flag("--vote", options->vote, "The ten nearest views vote (default)");
+  app.add_flag("--1nn", options->one_nn, "The nearest view alone decides")->excludes(vote);
+  app.add_option("--min-score", options->min_score,
+                 "Below this score (0 to 1) the label is left empty; alternatives stay")
+      ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--set", options->settings,
+                 "With --scene: a parameter of the segmentation, name=value; may be repeated")
+      ->type_name("NAME=VALUE")
+      ->allow_extra_args(false);
+  app.add_option("--labels", options->labels,
+                 "With --scene: write each frame's objects to DIR/STEM.png, 16 bit, object id a pixel")
+      ->type_name("DIR");
+  app.add_option("--plot", options->plot, "Draw the answer; with several frames to PATH-STEM.png")
+      ->type_name("PATH.png");
+  return [options] { return run(*options); };
+}
+
+}  // namespace voxid::cli

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evaluation.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <opencv2/imgproc.hpp>
+#include <random>
+#include <set>
+
+namespace voxid::cli {
+namespace {
+
+struct Tally {
+  int right = 0, all = 0;
+};
+
+double percent(double right, double all) { return 100 * right / all; }
+
+bool isRight(const Query& query, const Outcome& outcome) { return outcome.label == query.category; }
+
+template <typename KeyOf>
+std::vector<Tally> tallyBy(const std::vector<Query>& queries, const std::vector<Outcome>& outcomes, KeyOf key_of) {
+  std::map<std::string, Tally> tallies;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    Tally& tally = tallies[key_of(queries[i])];
+    tally.right += isRight(queries[i], outcomes[i]);
+    ++tally.all;
+  }
+  std::vector<Tally> list;
+  for (const auto& entry : tallies) list.push_back(entry.second);
+  return list;
+}
+
+double meanOfShares(const std::vector<Tally>& tallies) {
+  double sum = 0;
+  for (const Tally& tally : tallies) sum += percent(tally.right, tally.all);
+  return sum / static_cast<double>(tallies.size());
+}
+
+/// Views of one model are not independent, so whole models are drawn.
+std::vector<double> resampledTop1(const std::vector<Tally>& models) {
+  constexpr int kResamplings = 2000;
+  std::mt19937_64 generator(1);
+  std::vector<double> shares;
+  for (int i = 0; i < kResamplings; ++i) {
+    Tally sum;
+    for (std::size_t drawn = 0; drawn < models.size(); ++drawn) {
+      const Tally& model = models[generator() % models.size()];
+      sum.right += model.right;
+      sum.all += model.all;
+    }
+    shares.push_back(percent(sum.right, sum.all));
+  }
+  std::sort(shares.begin(), shares.end());
+  return shares;
+}
+
+using Counts = std::map<std::pair<std::string, std::string>, int>;
+
+/// Shades one row's cells by their share of the row.
+void drawRow(const Counts& counts, const std::vector<std::string>& names, std::size_t row, int cell_px, int margin_px,
+             cv::Mat& picture) {
+  int all = 0;
+  for (const std::string& answer : names) {
+    const auto found = counts.find({names[row], answer});
+    all += found == counts.end() ? 0 : found->second;
+  }
+  for (std::size_t column = 0; column < names.size(); ++column) {
+    const auto found = counts.find({names[row], names[column]});
+    if (found == counts.end()) continue;
+    const double light = 235 - 235.0 * found->second / all;
+    const cv::Scalar colour = row == column ? cv::Scalar(light, 160, light) : cv::Scalar(light, light, 255);
+    const cv::Point corner(margin_px + static_cast<int>(column) * cell_px, margin_px + static_cast<int>(row) * cell_px);
+    cv::rectangle(picture, cv::Rect(corner, cv::Size(cell_px, cell_px)), colour, cv::FILLED);
+  }
+}
+
+void writeNames(const std::vector<std::string>& names, int cell_px, int margin_px, cv::Mat& picture) {
+  const cv::Scalar ink{60, 60, 60};
+  cv::Mat turned = cv::Mat(picture.size(), picture.type(), cv::Scalar(255, 255, 255));
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const int y = margin_px + static_cast<int>(i) * cell_px + cell_px - 2;
+    cv::putText(picture, names[i], {2, y}, cv::FONT_HERSHEY_SIMPLEX, 0.3, ink, 1, cv::LINE_AA);
+    cv::putText(turned, names[i], {2, y}, cv::FONT_HERSHEY_SIMPLEX, 0.3, ink, 1, cv::LINE_AA);
+  }
+  cv::transpose(turned, turned);
+  cv::flip(turned, turned, 1);
+  // Turned clockwise: the names run from right to left; column i of the picture is read from the mirrored place.
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const int x = margin_px + static_cast<int>(i) * cell_px;
+    turned(cv::Rect(turned.cols - x - cell_px, 0, cell_px, margin_px))
+        .copyTo(picture(cv::Rect(x, 0, cell_px, margin_px)));
+  }
+}
+
+}  // namespace
+
+Figures figuresOf(const std::vector<Query>& queries, const std::vector<Outcome>& outcomes) {
+  const auto total = static_cast<double>(queries.size());
+  int right = 0, in_five = 0;
+  double seconds = 0;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    right += isRight(queries[i], outcomes[i]);
+    in_five += outcomes[i].in_five;
+    seconds += outcomes[i].seconds;
+  }
+  const auto by_category = tallyBy(queries, outcomes, [](const Query& q) { return q.category; });
+  const auto by_model = tallyBy(queries, outcomes, [](const Query& q) { return q.category + "/" + q.model; });
+  const std::vector<double> resampled = resampledTop1(by_model);
+  Figures figures;
+  figures.top1 = percent(right, total);
+  figures.mean_category = meanOfShares(by_category);
+  figures.top5 = percent(in_five, total);
+  figures.top1_low = resampled[resampled.size() / 40];
+  figures.top1_high = resampled[resampled.size() - 1 - resampled.size() / 40];
+  figures.us_per_query = seconds * 1e6 / total;
+  return figures;
+}
+
+cv::Mat drawConfusion(const std::vector<Query>& queries, const std::vector<Outcome>& outcomes) {
+  Counts counts;
+  std::set<std::string> met;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const std::string answer = outcomes[i].label.empty() ? "-" : outcomes[i].label;
+    ++counts[{queries[i].category, answer}];
+    met.insert(queries[i].category);
+    met.insert(answer);
+  }
+  constexpr int kCell_px = 11, kMargin_px = 120;
+  const std::vector<std::string> names(met.begin(), met.end());
+  const int side = kMargin_px + kCell_px * static_cast<int>(names.size());
+  cv::Mat picture(side, side, CV_8UC3, cv::Scalar(255, 255, 255));
+  for (std::size_t row = 0; row < names.size(); ++row) drawRow(counts, names, row, kCell_px, kMargin_px, picture);
+  writeNames(names, kCell_px, kMargin_px, picture);
+  return picture;
+}
+
+}  // namespace voxid::cli

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// voxid info: what an index holds.
+#include <cstdio>
+#include <cstring>
+#include <iostream>
+#include <map>
+#include <memory>
+
+#include "command.h"
+#include "recogniser.h"
+
+namespace voxid::cli {
+namespace {
+
+struct Options {
+  std::string file;
+  bool json = false, categories = false;
+};
+
+std::string profileOf(const format::Parameters& parameters) {
+  return {parameters.profile, strnlen(parameters.profile, sizeof parameters.profile)};
+}
+
+Json licencesOf(const Index& index) {
+  std::map<std::string, std::uint32_t> models;
+  for (const format::Model& model : index.models()) ++models[std::string(index.string(model.licence))];
+  Json licences = Json::array();
+  for (const auto& [licence, count] : models) licences.push_back({{"licence", licence}, {"models", count}});
+  return licences;
+}
+
+Json categoriesOf(const Index& index) {
+  Json list = Json::array();
+  for (const format::Category& category : index.categories()) {
+    Json entry;
+    entry["name"] = std::string(index.string(category.name));
+    entry["synset"] = category.synset;
+    entry["models"] = category.models;
+    list.push_back(entry);
+  }
+  return list;
+}
+
+double bytesPerView(const Index& index) {
+  return index.views().empty() ? 0 : static_cast<double>(index.bytes()) / static_cast<double>(index.views().size);
+}
+
+Json toJson(const Index& index, bool with_categories) {
+  const format::Header& header = index.header();
+  const format::Parameters& parameters = index.parameters();
+  Json json;
+  json["file"] = index.path();
+  json["version"] = std::to_string(header.major) + "." + std::to_string(header.minor);
+  json["descriptor"] = profileOf(parameters);
+  json["revision"] = parameters.revision;
+  json["pairs"] = parameters.pairs;
+  json["seed"] = parameters.seed;
+  json["categories"] = index.categories().size;
+  json["models"] = index.models().size;
+  json["views"] = index.views().size;
+  json["buckets"] = index.keys().size;
+  json["bytes"] = index.bytes();
+  json["bytes_per_view"] = bytesPerView(index);
+  json["code_bytes"] = parameters.code_bytes;
+  json["calibration_samples"] = index.calibration().samples;
+  json["licences"] = licencesOf(index);
+  if (with_categories) json["category_list"] = categoriesOf(index);
+  return json;
+}
+
+void printCategories(const Index& index) {
+  for (const format::Category& category : index.categories()) {
+    std::printf("  %-28s %6u models\n", std::string(index.string(category.name)).c_str(), category.models);
+  }
+}
+
+void printForPeople(const Index& index, bool with_categories) {
+  const format::Parameters& parameters = index.parameters();
+  std::printf("%s\n", index.path().c_str());
+  std::printf("format       %u.%u\n", index.header().major, index.header().minor);
+  std::printf("descriptor   %s, revision %u, %u pairs, seed %u\n", profileOf(parameters).c_str(), parameters.revision,
+              parameters.pairs, parameters.seed);
+  std::printf("categories   %zu\n", index.categories().size);
+  if (with_categories) printCategories(index);
+  std::printf("models       %zu\n", index.models().size);
+  std::printf("views        %zu in %zu buckets\n", index.views().size, index.keys().size);
+  std::printf("bytes        %llu, %.1f a view\n", static_cast<unsigned long long>(index.bytes()), bytesPerView(index));
+  const std::uint32_t samples = index.calibration().samples;
+  std::printf("calibration  %s\n",
+              samples ? (std::to_string(samples) + " queries of its own models").c_str() : "built in");
+  for (const Json& entry : licencesOf(index)) {
+    const auto licence = entry["licence"].get<std::string>();
+    std::printf("licence      %s: %u models\n", licence.empty() ? "not stated" : licence.c_str(),
+                entry["models"].get<unsigned>());
+  }
+}
+
+Status run(const Options& options) {
+  const auto index = Index::open(options.file);
+  if (!index.ok()) return index.status;
+  if (options.json) {
+    std::cout << lineOf(toJson(*index.value, options.categories));
+  } else {
+    printForPeople(*index.value, options.categories);
+  }
+  return {};
+}
+
+}  // namespace
+
+Run addInfo(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  app.add_option("file", options->file, "The index (.vxi)")->type_name("FILE")->required();
+  app.add_flag("--json", options->json, "One JSON object");
+  app.add_flag("--categories", options->categories, "List the categories with their numbers of models");
+  return [options] { return run(*options); };
+}
+
+}  // namespace voxid::cli
