@@ -85,7 +85,7 @@ void CaptureLoop::run() {
 void CaptureLoop::serveDemand() {
   for (;;) {
     if (!in_outage_) setState(CaptureState::Opening);
-    Result<std::unique_ptr<Device>> device = Device::open({options_.device, options_.colour});
+    Result<std::unique_ptr<Device>> device = Device::open({options_.device, options_.colour, options_.loop});
     std::string cause;
     const Outcome outcome = device.ok() ? readWhileWanted(*device.value, cause) : Outcome::Lost;
     const bool opened = device.ok();
@@ -176,11 +176,12 @@ void CaptureLoop::noteFrame() {
 
 /// Plays a recording at the rate of its own clock.
 void CaptureLoop::awaitDue(std::uint64_t timestamp_us) {
-  if (!clock_set_) {
+  if (!clock_set_ || timestamp_us < clock_last_us_) {  // first frame, or first of the next round
     clock_set_ = true;
     clock_start_ = Clock::now();
     clock_first_us_ = timestamp_us;
   }
+  clock_last_us_ = timestamp_us;
   const auto since_first = std::chrono::microseconds(static_cast<std::int64_t>(timestamp_us - clock_first_us_));
   const auto due = std::min(clock_start_ + since_first, Clock::now() + kLongestPause);
   std::unique_lock<std::mutex> lock(mutex_);

@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <thread>
 
 #include "parts.h"
 
@@ -11,6 +12,7 @@ namespace voxid {
 namespace {
 
 constexpr auto kFileSilence = std::chrono::seconds(1);
+constexpr auto kPlayerParks = std::chrono::milliseconds(30);
 constexpr Sensor kSensors[] = {Sensor::Depth, Sensor::Colour};
 
 std::string serialOf(openni::Device& device) {
@@ -73,12 +75,22 @@ Status openNative(openni::Device& device, const std::string& uri) {
   return Status::cannotDo("device " + uri + " cannot be opened" + why + "; is it plugged in, and does no other program use it?");
 }
 
-/// Recordings give frame after frame, once; the rate is the reader's affair.
+/// Frame after frame; the rate is the reader's affair. Repeat is always on: without it OpenNI2's player thread spins at the
+/// end of the file, and walks over streams that are being destroyed.
 void setUpPlayback(openni::Device& device) {
   openni::PlaybackControl* playback = device.getPlaybackControl();
   if (!playback) return;
-  playback->setRepeatEnabled(false);
+  playback->setRepeatEnabled(true);
   playback->setSpeed(-1);
+}
+
+/// OpenNI2's player thread looks at a file's streams without a lock, except while it holds a frame that nobody has asked
+/// for. Brings it there, so that the streams can be destroyed.
+void parkPlayer(Device::Parts& parts) {
+  SensorStream& depth = parts[Sensor::Depth];
+  if (!depth.open() || !parts.device.isFile()) return;
+  if (!depth.running) depth.running = depth.stream.start() == openni::STATUS_OK;
+  std::this_thread::sleep_for(kPlayerParks);
 }
 
 void setUpStream(SensorStream& sensor, openni::Device& device) {
@@ -133,6 +145,14 @@ bool fileEnded(const Device::Parts& parts) {
   return std::chrono::steady_clock::now() - parts.last_frame > kFileSilence;
 }
 
+/// True if the frame belongs to the next round already.
+bool noteEnd(SensorStream& sensor, int index) {
+  const bool next_round = index <= sensor.last_index;
+  sensor.last_index = std::max(index, sensor.last_index);
+  sensor.at_end = next_round || (sensor.frames_in_file > 0 && index >= sensor.frames_in_file);
+  return next_round;
+}
+
 bool sizeIsRight(const openni::VideoFrameRef& frame, const openni::VideoMode& mode) {
   return frame.getWidth() == mode.getResolutionX() && frame.getHeight() == mode.getResolutionY() &&
          frame.getDataSize() >= frame.getHeight() * frame.getStrideInBytes();
@@ -170,6 +190,7 @@ Device::Parts::~Parts() {
   openni::OpenNI::removeDeviceDisconnectedListener(this);
   openni::OpenNI::removeDeviceStateChangedListener(this);
   frame.release();
+  parkPlayer(*this);
   for (SensorStream& sensor : sensors) {
     if (sensor.running) sensor.stream.stop();
     sensor.stream.destroy();
@@ -205,6 +226,7 @@ Result<std::unique_ptr<Device>> Device::open(const DeviceOptions& options) {
   auto parts = std::make_unique<Parts>();
   parts->session = std::move(session.value);
   parts->description = chosen.value;
+  parts->repeat = options.repeat;
   openni::OpenNI::addDeviceDisconnectedListener(parts.get());
   openni::OpenNI::addDeviceStateChangedListener(parts.get());
   Status status = openNative(parts->device, chosen.value.uri);
@@ -249,7 +271,7 @@ Device::Event Device::wait(int timeout_ms, CaptureFrame& frame) {
   if (!sensor) return parts_->ended || (isFile() && fileEnded(*parts_)) ? Event::End : Event::Nothing;
   if (sensor->stream.readFrame(&parts_->frame) != openni::STATUS_OK) return Event::Nothing;
   parts_->last_frame = std::chrono::steady_clock::now();
-  sensor->at_end = sensor->frames_in_file > 0 && parts_->frame.getFrameIndex() >= sensor->frames_in_file;
+  if (isFile() && !parts_->repeat && noteEnd(*sensor, parts_->frame.getFrameIndex())) return Event::Nothing;
   if (!sizeIsRight(parts_->frame, sensor->mode)) return Event::BadFrame;
   frame = borrow(parts_->frame, kSensors[sensor - parts_->sensors.data()], *sensor);
   return Event::Frame;

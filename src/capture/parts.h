@@ -30,6 +30,7 @@ struct SensorStream {
   bool mirrored = false;
   bool running = false;
   int frames_in_file = -1;  ///< -1: not a file, or the file does not say
+  int last_index = 0;
   bool at_end = false;
 
   bool open() const { return stream.isValid(); }
@@ -40,6 +41,7 @@ struct Device::Parts : openni::OpenNI::DeviceDisconnectedListener, openni::OpenN
   openni::Device device;
   std::array<SensorStream, 2> sensors;  ///< by Sensor
   DeviceDescription description;
+  bool repeat = false;
   std::atomic<bool> disconnected{false}, ended{false};
   openni::VideoFrameRef frame;
   std::chrono::steady_clock::time_point last_frame;

@@ -2,9 +2,11 @@
 #include "voxid/capture/record.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cstdio>
+#include <thread>
 
 #include "parts.h"
 
@@ -13,6 +15,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr int kSlice_ms = 100;  // how soon `stop` is noticed
+
+constexpr auto kDrainStep = std::chrono::milliseconds(150);  // longer than a frame takes to compress
+constexpr int kMostDrainSteps = 100;
 
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -50,6 +55,29 @@ Status startRecorder(openni::Recorder& recorder, Device& device, const std::stri
   return Status::cannotDo(path + " cannot be recorded to (" + openNiComplaint() + "); is the folder there and writable?");
 }
 
+long long fileBytes(const std::string& path) {
+  struct stat info = {};
+  return stat(path.c_str(), &info) == 0 ? static_cast<long long>(info.st_size) : 0;
+}
+
+/// The recorder's thread takes its orders late: frames that come before it has begun, or wait to be compressed at
+/// Recorder::stop(), are forgotten. Lets it write what it has.
+void awaitWritten(const std::string& path) {
+  long long before = -1;
+  for (int i = 0; i < kMostDrainSteps && before != fileBytes(path); ++i) {
+    before = fileBytes(path);
+    std::this_thread::sleep_for(kDrainStep);
+  }
+}
+
+/// Depth frames that a reader will find; the proof that there is one.
+Status countFrames(const std::string& path, int& frames) {
+  const auto written = Device::open({path});
+  if (!written.ok()) return Status::cannotDo("the recording cannot be read back: " + written.status.sentence);
+  frames = written.value->parts()[Sensor::Depth].frames_in_file;
+  return {};
+}
+
 Status publishFile(const std::string& beside, const std::string& path) {
   const int fd = open(beside.c_str(), O_RDONLY | O_CLOEXEC);
   const bool safe = fd >= 0 && fsync(fd) == 0;
@@ -65,14 +93,18 @@ Status record(Device& device, const std::string& path, const RecordLimits& limit
   const std::string beside = path + ".part-" + std::to_string(getpid());
   openni::Recorder recorder;
   Status status = startRecorder(recorder, device, beside);
+  if (status.ok()) awaitWritten(beside);
   if (status.ok()) status = device.setStreaming(true, device.hasColour());
   if (status.ok()) status = follow(device, limits, report, progress);
+  (void)device.setStreaming(false, false);
+  if (report.frames > 0) awaitWritten(beside);
   recorder.stop();
   recorder.destroy();
-  (void)device.setStreaming(false, false);
   if (status.ok() && report.frames == 0) status = Status::cannotDo("nothing was recorded: no frame came before the stop");
-  const Status written = report.frames > 0 ? publishFile(beside, path) : Status{};
-  if (report.frames == 0 || !written.ok()) std::remove(beside.c_str());
+  Status written;
+  if (report.frames > 0) written = countFrames(beside, report.frames);
+  if (report.frames > 0 && written.ok()) written = publishFile(beside, path);
+  std::remove(beside.c_str());
   return status.ok() ? written : status;
 }
 

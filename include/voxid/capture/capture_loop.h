@@ -93,7 +93,7 @@ class CaptureLoop {
   int retry_ms_ = 0;
   bool clock_set_ = false;
   Clock::time_point clock_start_{};
-  std::uint64_t clock_first_us_ = 0;
+  std::uint64_t clock_first_us_ = 0, clock_last_us_ = 0;
 
   std::thread thread_;
 };

@@ -61,6 +61,8 @@ struct DeviceOptions {
   std::string device;
   /// Prepare for colour: depth is registered to it where the device can.
   bool colour = false;
+  /// A recording begins again after its last frame (its timestamps and indices too).
+  bool repeat = false;
 };
 
 class Device {
