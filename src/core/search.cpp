@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxid/core/search.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace voxid {
+namespace {
+
+constexpr std::uint32_t kNotMet = 0xffffffff;
+constexpr std::size_t kEnoughCategories = 5;
+constexpr int kBallStepBits = 2;
+
+// The nearest views and each category's nearest, from candidates in any order.
+class Gatherer {
+ public:
+  explicit Gatherer(std::size_t categories) : best_(categories) { met_.reserve(categories); }
+
+  void clear() {
+    std::fill(best_.begin(), best_.end(), Neighbour{0, kNotMet});
+    met_categories_ = 0;
+    count_ = 0;
+    scanned_ = 0;
+  }
+
+  // `category` is below the number of categories.
+  void add(Neighbour candidate, std::uint32_t category) {
+    ++scanned_;
+    Neighbour& best = best_[category];
+    if (candidate < best) {
+      met_categories_ += best.distance == kNotMet;
+      best = candidate;
+    }
+    if (count_ < kNearestViews || candidate < nearest_[count_ - 1]) insert(candidate);
+  }
+
+  std::size_t metCategories() const { return met_categories_; }
+
+  const Nearest& result() {
+    met_.clear();
+    for (const Neighbour best : best_) {
+      if (best.distance != kNotMet) met_.push_back(best);
+    }
+    std::sort(met_.begin(), met_.end());
+    result_ = {{nearest_.data(), count_}, {met_.data(), met_.size()}, scanned_};
+    return result_;
+  }
+
+ private:
+  void insert(Neighbour candidate) {
+    if (count_ < kNearestViews) ++count_;
+    std::size_t place = count_ - 1;
+    for (; place > 0 && candidate < nearest_[place - 1]; --place) nearest_[place] = nearest_[place - 1];
+    nearest_[place] = candidate;
+  }
+
+  std::vector<Neighbour> best_;  // by category
+  std::vector<Neighbour> met_;
+  std::array<Neighbour, kNearestViews> nearest_;
+  std::size_t count_ = 0, met_categories_ = 0;
+  std::uint32_t scanned_ = 0;
+  Nearest result_;
+};
+
+class ExactSearch : public Search {
+ public:
+  explicit ExactSearch(std::shared_ptr<const Index> index)
+      : index_(std::move(index)), found_(index_->categories().size) {}
+
+  const Nearest& find(const std::uint8_t* code, std::uint32_t left_out_model) override {
+    found_.clear();
+    for (std::uint32_t model = 0; model < index_->models().size; ++model) {
+      if (model != left_out_model) scan(index_->models()[model], code);
+    }
+    return found_.result();
+  }
+
+ private:
+  // A model that leads nowhere (possible only in a damaged file) is passed over.
+  void scan(const format::Model& model, const std::uint8_t* code) {
+    const std::uint64_t end = std::uint64_t{model.first_view} + model.views;
+    if (end > index_->views().size || model.category >= index_->categories().size) return;
+    for (std::uint32_t view = model.first_view; view < end; ++view) {
+      found_.add({view, l1(code, index_->code(view))}, model.category);
+    }
+  }
+
+  std::shared_ptr<const Index> index_;
+  Gatherer found_;
+};
+
+class LshSearch : public Search {
+ public:
+  LshSearch(std::shared_ptr<const Index> index, int radius_bits)
+      : index_(std::move(index)),
+        radius_bits_(std::min(std::max(radius_bits, 0), kKeyBits)),
+        bits_away_(index_->keys().size),
+        found_(index_->categories().size) {}
+
+  const Nearest& find(const std::uint8_t* code, std::uint32_t left_out_model) override {
+    measure(keyOf(code));
+    found_.clear();
+    int radius = radius_bits_;
+    scanShell(0, radius, code, left_out_model);
+    while (found_.metCategories() < kEnoughCategories && radius < kKeyBits) {
+      scanShell(radius + 1, radius + kBallStepBits, code, left_out_model);
+      radius += kBallStepBits;
+    }
+    return found_.result();
+  }
+
+ private:
+  void measure(Key key) {
+    for (std::size_t i = 0; i < bits_away_.size(); ++i) {
+      bits_away_[i] = static_cast<std::uint8_t>(hammingDistance(key, index_->keys()[i]));
+    }
+  }
+
+  // The buckets whose keys are `first` to `last` bits away.
+  void scanShell(int first, int last, const std::uint8_t* code, std::uint32_t left_out_model) {
+    for (std::uint32_t i = 0; i < bits_away_.size(); ++i) {
+      if (bits_away_[i] < first || bits_away_[i] > last) continue;
+      for (const std::uint32_t view : index_->bucket(i)) consider(view, code, left_out_model);
+    }
+  }
+
+  // A view that leads nowhere (possible only in a damaged file) is passed over.
+  void consider(std::uint32_t view, const std::uint8_t* code, std::uint32_t left_out_model) {
+    if (view >= index_->views().size) return;
+    const std::uint32_t model = index_->views()[view].model;
+    if (model == left_out_model || model >= index_->models().size) return;
+    const std::uint32_t category = index_->models()[model].category;
+    if (category < index_->categories().size) found_.add({view, l1(code, index_->code(view))}, category);
+  }
+
+  std::shared_ptr<const Index> index_;
+  int radius_bits_;
+  std::vector<std::uint8_t> bits_away_;  // of every bucket's key from the query's
+  Gatherer found_;
+};
+
+}  // namespace
+
+std::unique_ptr<Search> makeExactSearch(std::shared_ptr<const Index> index) {
+  return std::make_unique<ExactSearch>(std::move(index));
+}
+
+std::unique_ptr<Search> makeLshSearch(std::shared_ptr<const Index> index, int radius_bits) {
+  return std::make_unique<LshSearch>(std::move(index), radius_bits);
+}
+
+}  // namespace voxid
