@@ -27,11 +27,14 @@ struct Answer {
   std::array<Alternative, kMaxAlternatives> alternatives{};  ///< best first; [0] is the answer
   int count = 0;
   std::uint32_t margin_permille = 0;  ///< 1000 (d2 - d1) / d2 of the two nearest categories; 1000 if there is one only
-  std::uint16_t score_permille = 0;   ///< chance that the first is right, from the index's calibration of the margin
+  std::uint16_t score_permille = 0;   ///< chance that the first is right: the index's calibration at this margin, at
+                                     ///< margin 0 if the vote went against the nearest category
   bool known = false;                 ///< score_permille >= min_score_permille: below, the label is to be left empty
 };
 
-/// Ranks categories by what a search found. Integers only, ties broken by the lower category number.
+/// Ranks categories by what a search found: those that were voted for by weight, then the others by distance. What the
+/// first one's score leaves of 1000 is shared among the others by weight. Integers only; equal weights are ordered by
+/// distance, equal distances by category number. Allocates nothing.
 Answer classify(const Index& index, const Nearest& nearest, ClassifyMethod method, int min_score_permille);
 
 }  // namespace voxid
