@@ -82,8 +82,8 @@ class Board {
     Result<int> result = Status::cannotDo("");
     try {
       result = work.work(item);
-    } catch (const std::bad_alloc&) {
-      ::abort();  // reported as a death of this item
+    } catch (...) {
+      ::abort();  // out of memory, most likely; reported as a death at this item
     }
     if (!result.ok()) {
       board.refuse(result.status);
