@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// voxid.launch without a camera in processes of its own, and its consumers: over ROS, and over a real LCM socket.
+#include <gtest/gtest.h>
+#include <ros/master.h>
+#include <ros/ros.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cstdio>
+#include <filesystem>
+#include <future>
+#include <lcm/lcm-cpp.hpp>
+#include <map>
+#include <thread>
+
+#include "conversions.h"
+#include "listener.h"
+#include "scene_index.h"
+
+namespace voxid {
+namespace {
+
+using test::eventually;
+using test::imageOf;
+using test::infoOf;
+using test::Listener;
+using test::TableScene;
+
+std::string parameter(const std::string& name) {
+  std::string value;
+  ros::param::get(name, value);
+  return value;
+}
+
+/// A camera at 10 Hz.
+class Camera10Hz {
+ public:
+  explicit Camera10Hz(const std::string& name)
+      : node_(name),
+        image_(node_.advertise<sensor_msgs::Image>("depth/image_raw", 4)),
+        info_(node_.advertise<sensor_msgs::CameraInfo>("depth/camera_info", 4)),
+        thread_([this] { run(); }) {}
+  ~Camera10Hz() {
+    stop_ = true;
+    thread_.join();
+  }
+
+ private:
+  void run() {
+    const std::vector<std::uint16_t> depth_mm = TableScene().depth_mm();
+    while (!stop_) {
+      const ros::Time stamp = ros::Time::now();
+      image_.publish(imageOf(depth_mm, stamp));
+      info_.publish(infoOf(stamp));
+      ros::WallDuration(0.1).sleep();
+    }
+  }
+
+  ros::NodeHandle node_;
+  ros::Publisher image_, info_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+/// Everything on VOXID_OBJECTS, by utime.
+class LcmInbox {
+ public:
+  explicit LcmInbox(const std::string& url) : lcm_(url) {
+    if (lcm_.good()) lcm_.subscribe("VOXID_OBJECTS", &LcmInbox::on, this);
+  }
+  bool good() const { return lcm_.good(); }
+  void handle() { lcm_.handleTimeout(50); }
+  std::map<std::int64_t, object_list_t> lists;
+
+ private:
+  void on(const lcm::ReceiveBuffer*, const std::string&, const object_list_t* list) { lists[list->utime] = *list; }
+  mutable lcm::LCM lcm_;
+};
+
+struct Ended {
+  int exit_code;
+  std::string output;
+};
+
+Ended run(const std::string& command) {
+  FILE* pipe = popen(command.c_str(), "r");
+  std::string output;
+  std::array<char, 512> line;
+  while (fgets(line.data(), line.size(), pipe)) output += line.data();
+  const int status = pclose(pipe);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, output};
+}
+
+std::vector<std::uint8_t> encoded(const object_list_t& list) {
+  std::vector<std::uint8_t> bytes(list.getEncodedSize());
+  list.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+const std::string kPythonPlanner = VOXID_SOURCE "/lcm/examples/planner_inbox.py --types " VOXID_LCM_PYTHON;
+
+class Bridge : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { test::writeSceneIndex(parameter("/voxid/classification/index")); }
+  static void TearDownTestSuite() { std::filesystem::remove(parameter("/voxid/classification/index")); }
+
+  void SetUp() override {
+    if (!LcmInbox(url_).good()) GTEST_SKIP() << "no multicast route, so no LCM here: ip route add 224.0.0.0/4 dev lo";
+  }
+  const std::string url_ = parameter("/voxid/lcm_bridge/url");
+};
+
+TEST_F(Bridge, LcmCarriesWhatRosCarries) {
+  ros::NodeHandle node("/voxid");
+  Listener<Objects> listener(node, "objects");
+  LcmInbox inbox(url_);
+  const Camera10Hz camera("/voxid");
+  ObjectsConstPtr objects;
+  const object_list_t* list = nullptr;
+  EXPECT_TRUE(eventually(20, [&] {
+    inbox.handle();
+    if (inbox.lists.empty()) return false;
+    list = &inbox.lists.rbegin()->second;
+    objects = listener.find([&](const ros::Time& stamp) { return microsecondsOf(stamp) == list->utime; });
+    return objects && list->num_objects == 2 && list->objects[0].label != "";
+  }));
+  ASSERT_TRUE(list);
+  ASSERT_TRUE(objects);
+  EXPECT_EQ(encoded(*list), encoded(toLcm(*objects)));
+  EXPECT_EQ(list->status, object_list_t::OK + 0);
+  EXPECT_EQ(list->frame_name, "camera");
+  const bool box_first = list->objects[0].label == "box";
+  const object_t& box = list->objects[box_first ? 0 : 1];
+  EXPECT_EQ(box.label, "box");
+  EXPECT_EQ(box.model, "box-7");
+  EXPECT_EQ(box.view, 1);
+  const Eigen::Vector3d centre = TableScene().inCamera(TableScene().boxes[0].centre_m);
+  EXPECT_LT((Eigen::Vector3d(box.position_m) - centre).norm(), 0.02);
+  EXPECT_EQ(list->objects[box_first ? 1 : 0].label, "ball");
+}
+
+TEST_F(Bridge, PlannersInBothLanguagesReadIt) {
+  const Camera10Hz camera("/voxid");
+  const std::string options = " --url '" + url_ + "' --seconds 20 --count 30 --label box";
+  auto cpp = std::async(std::launch::async, [&] { return run(VOXID_BIN "/voxid_planner_inbox" + options); });
+  const Ended python = run(kPythonPlanner + options);
+  for (const Ended& planner : {cpp.get(), python}) {
+    EXPECT_EQ(planner.exit_code, 0) << planner.output;
+    EXPECT_NE(planner.output.find("label=box score="), std::string::npos) << planner.output;
+    EXPECT_NE(planner.output.find("model=ball-3 view=1 position_m="), std::string::npos) << planner.output;
+    EXPECT_NE(planner.output.find(" label=box distance_m=0.8"), std::string::npos) << planner.output;
+    EXPECT_NE(planner.output.find("received=30\n"), std::string::npos) << planner.output;
+  }
+}
+
+TEST_F(Bridge, PlannersFailWhenNothingComes) {
+  const std::string options = " --url 'udpm://239.255.76.67:7742?ttl=0' --seconds 0.5";
+  EXPECT_EQ(run(VOXID_BIN "/voxid_planner_inbox" + options).exit_code, 1);
+  EXPECT_EQ(run(kPythonPlanner + options).exit_code, 1);
+  EXPECT_EQ(run(VOXID_BIN "/voxid_planner_inbox --nonsense 1 2>/dev/null").exit_code, 2);
+}
+
+/// A plain node in the namespace /nodes.
+pid_t startNode(const std::string& name) {
+  const pid_t pid = fork();
+  if (pid != 0) return pid;
+  const std::string program = VOXID_NODES "/voxid_" + name;
+  execl(program.c_str(), program.c_str(), "__ns:=/nodes", "_url:=udpm://239.255.76.67:7743?ttl=0", nullptr);
+  _exit(127);
+}
+
+int exitStatusAfterSigint(pid_t pid) {
+  kill(pid, SIGINT);
+  int status = -1;
+  const bool ended = eventually(10, [&] { return waitpid(pid, &status, WNOHANG) == pid; });
+  if (!ended) {
+    kill(pid, SIGKILL);
+    waitpid(pid, &status, 0);
+  }
+  return ended && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST(PlainNodes, WorkTogetherAndEndCleanlyOnSigint) {
+  const std::vector<std::string> names{"segmentation", "classification", "overlay", "lcm_bridge"};
+  std::map<std::string, pid_t> nodes;
+  for (const std::string& name : names) nodes[name] = startNode(name);
+  ros::NodeHandle node("/nodes");
+  Listener<Objects> listener(node, "objects");
+  Listener<sensor_msgs::Image> overlays(node, "overlay/image_raw");
+  const Camera10Hz camera("/nodes");
+  EXPECT_TRUE(eventually(15, [&] { return listener.count() > 0 && overlays.count() > 0; }));
+  for (const std::string& name : names) EXPECT_EQ(exitStatusAfterSigint(nodes[name]), 0) << name;
+}
+
+}  // namespace
+}  // namespace voxid
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "bridge_test");
+  ros::AsyncSpinner spinner(2);
+  spinner.start();
+  const int failed = RUN_ALL_TESTS();
+  ros::shutdown();
+  return failed;
+}

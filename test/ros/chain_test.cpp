@@ -1,0 +1,409 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The nodelets in the test's own process, as in one manager: what goes in, what comes out, and by which pointers.
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <dynamic_reconfigure/Reconfigure.h>
+#include <gtest/gtest.h>
+#include <nodelet/loader.h>
+#include <ros/ros.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <tf2_ros/static_transform_broadcaster.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <mutex>
+
+#include "classification_nodelet.h"
+#include "listener.h"
+#include "overlay_nodelet.h"
+#include "scene_index.h"
+#include "segmentation_nodelet.h"
+
+namespace voxid {
+namespace {
+
+using test::eventually;
+using test::imageOf;
+using test::infoOf;
+using test::Listener;
+using test::TableScene;
+
+/// Classification that tells where the depth image lay that it was given.
+class SpyClassification : public ClassificationNodelet {
+ public:
+  static std::map<ros::Time, const void*> received;
+  static std::mutex mutex;
+
+ protected:
+  void onFrame(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info,
+               const SegmentsConstPtr& segments) override {
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      received[image->header.stamp] = image->data.data();
+    }
+    ClassificationNodelet::onFrame(image, info, segments);
+  }
+};
+std::map<ros::Time, const void*> SpyClassification::received;
+std::mutex SpyClassification::mutex;
+
+using Factory = boost::function<boost::shared_ptr<nodelet::Nodelet>(const std::string&)>;
+
+boost::shared_ptr<nodelet::Nodelet> create(const std::string& type) {
+  if (type == "voxid/segmentation") return boost::make_shared<SegmentationNodelet>();
+  if (type == "voxid/classification") return boost::make_shared<SpyClassification>();
+  return boost::make_shared<OverlayNodelet>();
+}
+
+/// Segmentation, classification and overlay in a namespace of the test's own, and a camera that shows what it is told to.
+class Chain : public testing::Test {
+ protected:
+  Chain()
+      : name_(std::string("/") + testing::UnitTest::GetInstance()->current_test_info()->name()),
+        node_(name_),
+        index_path_(std::filesystem::temp_directory_path() / (name_.substr(1) + std::to_string(getpid()) + ".vxi")),
+        loader_(Factory([](const std::string& type) { return create(type); })),
+        image_(node_.advertise<sensor_msgs::Image>("depth/image_raw", 4)),
+        info_(node_.advertise<sensor_msgs::CameraInfo>("depth/camera_info", 4)) {
+    node_.setParam("classification/index", index_path_.string());
+  }
+  ~Chain() override {
+    loader_.clear();
+    std::filesystem::remove(index_path_);
+  }
+
+  void start() {
+    for (const std::string nodelet : {"segmentation", "classification", "overlay"})
+      ASSERT_TRUE(loader_.load(name_ + "/" + nodelet, "voxid/" + nodelet, {}, {}));
+  }
+
+  ros::Time show(const std::vector<std::uint16_t>& depth_mm) {
+    const ros::Time stamp = ros::Time::now();
+    sent_ = imageOf(depth_mm, stamp);
+    image_.publish(sent_);
+    info_.publish(infoOf(stamp));
+    return stamp;
+  }
+
+  /// Shows the frame until the chain, which connects in its own time, has answered one of them.
+  template <typename M>
+  boost::shared_ptr<const M> answerTo(const std::vector<std::uint16_t>& depth_mm, Listener<M>& listener) {
+    boost::shared_ptr<const M> answer;
+    eventually(10, [&] { return (answer = listener.wait(show(depth_mm), 0.5)) != nullptr; });
+    return answer;
+  }
+  ObjectsConstPtr objectsFor(const std::vector<std::uint16_t>& depth_mm) {
+    Listener<Objects> listener(node_, "objects");
+    return answerTo(depth_mm, listener);
+  }
+
+  const std::string name_;
+  ros::NodeHandle node_;
+  const std::filesystem::path index_path_;
+  nodelet::Loader loader_;
+  ros::Publisher image_, info_;
+  sensor_msgs::ImageConstPtr sent_;
+};
+
+const Object* labelled(const Objects& objects, const std::string& label) {
+  for (const Object& object : objects.objects)
+    if (object.label == label) return &object;
+  return nullptr;
+}
+
+TEST_F(Chain, NamesTheThingsOnTheTable) {
+  test::writeSceneIndex(index_path_);
+  start();
+  const TableScene scene;
+  const ObjectsConstPtr objects = objectsFor(scene.depth_mm());
+  ASSERT_TRUE(objects);
+  EXPECT_EQ(objects->header.stamp, sent_->header.stamp);
+  EXPECT_EQ(objects->header.frame_id, "camera");
+  EXPECT_EQ(objects->camera_frame, "camera");
+  EXPECT_EQ(objects->status, Objects::OK + 0) << objects->status_text;
+  EXPECT_EQ(objects->index, index_path_.string());
+  EXPECT_EQ(objects->dropped.size(), 3u);
+  EXPECT_NEAR(objects->table.distance_m, scene.height_m, 0.005);
+  const Eigen::Vector3d up = scene.tableFromCamera().linear().transpose() * Eigen::Vector3d::UnitZ();
+  EXPECT_NEAR(eigenOf(objects->table.normal).dot(up), 1, 1e-3);
+  EXPECT_GE(objects->table.outline.size(), 3u);
+  EXPECT_GT(objects->segment_ms, 0);
+  EXPECT_GT(objects->classify_ms, 0);
+  EXPECT_GT(objects->latency_ms, objects->segment_ms);
+  ASSERT_EQ(objects->objects.size(), 2u);
+
+  const Object* box = labelled(*objects, "box");
+  ASSERT_TRUE(box);
+  EXPECT_EQ(box->model, "box-7");
+  EXPECT_EQ(box->view, 1);
+  EXPECT_EQ(box->synset, 2883344u);
+  EXPECT_EQ(box->distance, 0);
+  EXPECT_EQ(box->margin, 1);
+  EXPECT_GT(box->score, 0.5);
+  ASSERT_EQ(box->alternatives.size(), 2u);
+  EXPECT_EQ(box->alternatives[1].label, "ball");
+  EXPECT_GT(box->alternatives[1].distance, 0);
+  EXPECT_FALSE(box->truncated);
+  EXPECT_GT(box->points, 500u);
+  const Eigen::Vector3d centre = scene.inCamera(scene.boxes[0].centre_m);
+  EXPECT_LT((eigenOf(box->pose.pose.position) - centre).norm(), 0.02);
+  EXPECT_NEAR(box->extents_m.z, 0.12, 0.01);
+  EXPECT_NEAR((eigenOf(box->pose.pose.orientation) * Eigen::Vector3d::UnitZ()).dot(up), 1, 1e-3);
+  EXPECT_NEAR(box->pose.covariance[0] + box->pose.covariance[7] + box->pose.covariance[14],
+              eigenOf(box->extents_m).squaredNorm() / 12, 1e-6);
+  const double u = centre.x() / centre.z() * TableScene::kFocal_px + TableScene::kCx_px;
+  EXPECT_NEAR(box->box.x_offset + box->box.width / 2.0, u, 6);
+
+  const Object* ball = labelled(*objects, "ball");
+  ASSERT_TRUE(ball);
+  EXPECT_EQ(ball->distance, 0);
+  EXPECT_LT((eigenOf(ball->pose.pose.position) - scene.inCamera(scene.balls[0].centre_m)).norm(), 0.03);
+}
+
+TEST_F(Chain, DepthIsNotCopiedOnItsWayToClassification) {
+  start();
+  const ObjectsConstPtr objects = objectsFor(TableScene().depth_mm());
+  ASSERT_TRUE(objects);
+  const std::lock_guard<std::mutex> lock(SpyClassification::mutex);
+  EXPECT_EQ(SpyClassification::received[objects->header.stamp], sent_->data.data());
+}
+
+// That the test above can fail: a message published by value is written out and read back.
+TEST_F(Chain, APublishedValueIsACopy) {
+  start();
+  Listener<Objects> listener(node_, "objects");
+  ASSERT_TRUE(answerTo(TableScene().depth_mm(), listener));
+  const ros::Time stamp = ros::Time::now();
+  const sensor_msgs::ImagePtr image = imageOf(TableScene().depth_mm(), stamp);
+  image_.publish(*image);
+  info_.publish(infoOf(stamp));
+  ASSERT_TRUE(listener.wait(stamp, 5));
+  const std::lock_guard<std::mutex> lock(SpyClassification::mutex);
+  EXPECT_NE(SpyClassification::received[stamp], image->data.data());
+}
+
+TEST_F(Chain, NothingIsDoneWithoutListeners) {
+  start();
+  EXPECT_EQ(image_.getNumSubscribers(), 0u);
+  {
+    Listener<Objects> listener(node_, "objects");
+    EXPECT_TRUE(answerTo(TableScene().depth_mm(), listener));
+    EXPECT_GT(image_.getNumSubscribers(), 0u);
+  }
+  EXPECT_TRUE(eventually(5, [&] { return image_.getNumSubscribers() == 0; }));
+  EXPECT_EQ(info_.getNumSubscribers(), 0u);
+}
+
+TEST_F(Chain, WithoutIndexObjectsAreFoundAndNotNamed) {
+  start();
+  const ObjectsConstPtr objects = objectsFor(TableScene().depth_mm());
+  ASSERT_TRUE(objects);
+  EXPECT_EQ(objects->status, Objects::NO_INDEX + 0);
+  EXPECT_NE(objects->status_text.find(index_path_.string()), std::string::npos) << objects->status_text;
+  ASSERT_EQ(objects->objects.size(), 2u);
+  EXPECT_EQ(objects->objects[0].label, "");
+  EXPECT_TRUE(objects->objects[0].alternatives.empty());
+  EXPECT_GT(objects->objects[0].extents_m.z, 0.05);
+  EXPECT_EQ(objects->index, "");
+}
+
+TEST_F(Chain, IndexMayAppearAndBeReplacedWhileFramesCome) {
+  start();
+  Listener<Objects> listener(node_, "objects");
+  const std::vector<std::uint16_t> depth_mm = TableScene().depth_mm();
+  ObjectsConstPtr objects = answerTo(depth_mm, listener);
+  ASSERT_TRUE(objects);
+  EXPECT_EQ(objects->status, Objects::NO_INDEX + 0);
+
+  test::writeSceneIndex(index_path_);
+  const auto sees = [&](const std::string& label) {
+    return [&, label] {
+      objects = listener.wait(show(depth_mm), 0.5);
+      return objects && labelled(*objects, label);
+    };
+  };
+  EXPECT_TRUE(eventually(5, sees("box")));
+  test::writeSceneIndex(index_path_, "carton");
+  EXPECT_TRUE(eventually(5, sees("carton")));
+
+  // Damage is not taken over: the index that was there answers on.
+  std::filesystem::remove(index_path_);
+  std::fclose(std::fopen(index_path_.c_str(), "w"));
+  ros::WallDuration(1.2).sleep();
+  EXPECT_TRUE(sees("carton")());
+}
+
+TEST_F(Chain, SaysWhyThereIsNothing) {
+  start();
+  Listener<Objects> listener(node_, "objects");
+  TableScene bare;
+  bare.boxes.clear();
+  bare.balls.clear();
+  const ObjectsConstPtr empty = answerTo(bare.depth_mm(), listener);
+  ASSERT_TRUE(empty);
+  EXPECT_EQ(empty->status, Objects::EMPTY_TABLE + 0);
+  EXPECT_NEAR(empty->table.distance_m, bare.height_m, 0.005);
+
+  const ObjectsConstPtr dark = answerTo(std::vector<std::uint16_t>(320 * 240, 0), listener);
+  ASSERT_TRUE(dark);
+  EXPECT_EQ(dark->status, Objects::NO_DEPTH + 0);
+  EXPECT_EQ(dark->status_text, statusText(Objects::NO_DEPTH));
+  EXPECT_TRUE(dark->table.outline.empty());
+
+  std::vector<std::uint16_t> crumbs(320 * 240, 0);
+  for (int i = 0; i < 50; ++i) crumbs[i * 1201] = 700 + 9 * i;
+  const ObjectsConstPtr none = answerTo(crumbs, listener);
+  ASSERT_TRUE(none);
+  EXPECT_EQ(none->status, Objects::NO_TABLE + 0);
+}
+
+TEST_F(Chain, WrongEncodingIsBadInputWithTheReason) {
+  start();
+  Listener<Objects> listener(node_, "objects");
+  ObjectsConstPtr objects;
+  eventually(10, [&] {
+    const ros::Time stamp = ros::Time::now();
+    const auto image = imageOf(TableScene().depth_mm(), stamp);
+    image->encoding = "8UC2";
+    image_.publish(image);
+    info_.publish(infoOf(stamp));
+    return (objects = listener.wait(stamp, 0.5)) != nullptr;
+  });
+  ASSERT_TRUE(objects);
+  EXPECT_EQ(objects->status, Objects::BAD_INPUT + 0);
+  EXPECT_NE(objects->status_text.find("encoding '8UC2', expected 16UC1"), std::string::npos) << objects->status_text;
+  EXPECT_TRUE(objects->objects.empty());
+}
+
+TEST_F(Chain, PosesGoIntoTheTargetFrame) {
+  node_.setParam("classification/target_frame", "table");
+  test::writeSceneIndex(index_path_);
+  start();
+  Listener<Objects> listener(node_, "objects");
+  const TableScene scene;
+  ObjectsConstPtr objects = answerTo(scene.depth_mm(), listener);
+  ASSERT_TRUE(objects);
+  EXPECT_EQ(objects->status, Objects::NO_TRANSFORM + 0);
+  EXPECT_EQ(objects->header.frame_id, "camera");
+  EXPECT_TRUE(labelled(*objects, "box"));
+
+  geometry_msgs::TransformStamped transform;
+  transform.header.frame_id = "table";
+  transform.child_frame_id = "camera";
+  const Eigen::Isometry3d pose = scene.tableFromCamera();
+  transform.transform.translation = vectorOf(pose.translation());
+  transform.transform.rotation = quaternionOf(Eigen::Quaterniond(pose.rotation()));
+  tf2_ros::StaticTransformBroadcaster broadcaster;
+  broadcaster.sendTransform(transform);
+  EXPECT_TRUE(eventually(5, [&] {
+    objects = listener.wait(show(scene.depth_mm()), 0.5);
+    return objects && objects->status == Objects::OK;
+  }));
+  ASSERT_TRUE(objects);
+  EXPECT_EQ(objects->header.frame_id, "table");
+  EXPECT_EQ(objects->camera_frame, "camera");
+  EXPECT_NEAR(objects->table.normal.z, 1, 1e-3);
+  for (const geometry_msgs::Point& corner : objects->table.outline) EXPECT_NEAR(corner.z, 0, 0.01);
+  const Object* box = labelled(*objects, "box");
+  ASSERT_TRUE(box);
+  EXPECT_LT((eigenOf(box->pose.pose.position) - scene.boxes[0].centre_m).norm(), 0.02);
+  EXPECT_NEAR(box->pose.covariance[35], M_PI * M_PI / 3, 0.01);
+}
+
+TEST_F(Chain, MarkersOverlayAndCloudForPeople) {
+  test::writeSceneIndex(index_path_);
+  start();
+  const std::vector<std::uint16_t> depth_mm = TableScene().depth_mm();
+  Listener<sensor_msgs::Image> overlays(node_, "overlay/image_raw");
+  Listener<sensor_msgs::PointCloud2> clouds(node_, "cloud");
+  std::mutex mutex;
+  visualization_msgs::MarkerArrayConstPtr markers;
+  const ros::Subscriber subscriber = node_.subscribe<visualization_msgs::MarkerArray>(
+      "markers", 5, [&](const visualization_msgs::MarkerArrayConstPtr& heard) {
+        const std::lock_guard<std::mutex> lock(mutex);
+        markers = heard;
+      });
+  const auto overlay = answerTo(depth_mm, overlays);
+  ASSERT_TRUE(overlay);
+  EXPECT_EQ(overlay->encoding, "bgr8");
+  EXPECT_EQ(overlay->width, 320u);
+  EXPECT_EQ(overlay->header.frame_id, "camera");
+  const auto cloud = answerTo(depth_mm, clouds);
+  ASSERT_TRUE(cloud);
+  EXPECT_GT(cloud->width, 1000u);
+  const auto arrived = [&] {
+    const std::lock_guard<std::mutex> lock(mutex);
+    return markers != nullptr;
+  };
+  ASSERT_TRUE(eventually(5, arrived));
+  std::vector<std::string> texts;
+  const std::lock_guard<std::mutex> lock(mutex);
+  for (const auto& marker : markers->markers)
+    if (marker.ns == "label") texts.push_back(marker.text.substr(0, marker.text.find(' ')));
+  std::sort(texts.begin(), texts.end());
+  EXPECT_EQ(texts, (std::vector<std::string>{"ball", "box"}));
+}
+
+TEST_F(Chain, ParametersTakeEffectWithTheNextFrame) {
+  start();
+  Listener<Segments> listener(node_, "segments");
+  const std::vector<std::uint16_t> depth_mm = TableScene().depth_mm();
+  auto segments = answerTo(depth_mm, listener);
+  ASSERT_TRUE(segments);
+  EXPECT_EQ(segments->segments.size(), 2u);
+
+  dynamic_reconfigure::Reconfigure change;
+  change.request.config.ints.resize(1);
+  change.request.config.ints[0].name = "max_clusters";
+  change.request.config.ints[0].value = 1;
+  ASSERT_TRUE(ros::service::call(name_ + "/segmentation/set_parameters", change));
+  segments = listener.wait(show(depth_mm), 5);
+  ASSERT_TRUE(segments);
+  EXPECT_EQ(segments->segments.size(), 1u);
+  ASSERT_EQ(segments->dropped.size(), 3u);
+  EXPECT_EQ(segments->dropped[2], 1u);  // too many
+}
+
+TEST_F(Chain, DiagnosticsSayTheState) {
+  start();
+  std::mutex mutex;
+  std::map<std::string, diagnostic_msgs::DiagnosticStatus> heard;
+  const ros::Subscriber subscriber = node_.subscribe<diagnostic_msgs::DiagnosticArray>(
+      "/diagnostics", 50, [&](const diagnostic_msgs::DiagnosticArrayConstPtr& array) {
+        const std::lock_guard<std::mutex> lock(mutex);
+        for (const auto& status : array->status) heard[status.name] = status;
+      });
+  const auto says = [&](const std::string& nodelet, const std::string& part) {
+    return eventually(5, [&, nodelet, part] {
+      const std::lock_guard<std::mutex> lock(mutex);
+      return heard[name_.substr(1) + "/" + nodelet + ": frames"].message.find(part) != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(says("segmentation", "idle: nobody listens"));
+  EXPECT_TRUE(says("classification", index_path_.string()));
+  EXPECT_TRUE(objectsFor(TableScene().depth_mm()));
+  Listener<Objects> listener(node_, "objects");
+  EXPECT_TRUE(answerTo(TableScene().depth_mm(), listener));
+  EXPECT_TRUE(says("segmentation", "OK"));
+  const std::lock_guard<std::mutex> lock(mutex);
+  std::map<std::string, std::string> values;
+  for (const auto& pair : heard[name_.substr(1) + "/segmentation: frames"].values) values[pair.key] = pair.value;
+  EXPECT_GT(std::stoi(values["frames"]), 0);
+  EXPECT_EQ(values.count("dropped"), 1u);
+  EXPECT_LT(std::stod(values["last_frame_age_s"]), 10);
+}
+
+}  // namespace
+}  // namespace voxid
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "chain_test");
+  ros::AsyncSpinner spinner(2);
+  spinner.start();
+  const int failed = RUN_ALL_TESTS();
+  ros::shutdown();
+  return failed;
+}

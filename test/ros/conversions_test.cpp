@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "conversions.h"
+
+#include <gtest/gtest.h>
+#include <sensor_msgs/point_cloud2_iterator.h>
+
+#include <cstring>
+#include <set>
+
+#include "drawing.h"
+#include "params.h"
+#include "table_scene.h"
+
+namespace voxid {
+namespace {
+
+using test::imageOf;
+using test::infoOf;
+using test::TableScene;
+
+Object numberedObject() {
+  Object o;
+  o.id = 3;
+  o.label = "mug";
+  o.synset = 3797390;
+  o.score = 0.87f;
+  o.distance = 4321;
+  o.margin = 0.25f;
+  for (int i = 0; i < 10; ++i) {
+    Candidate c;
+    c.label = "c" + std::to_string(i);
+    c.score = 0.1f * i;
+    c.distance = 100.0f * i;
+    o.alternatives.push_back(c);
+  }
+  o.model = "mug-12";
+  o.view = 42;
+  o.pose.pose.position = pointOf({1, 2, 3});
+  o.pose.pose.orientation = quaternionOf(Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5));
+  for (int i = 0; i < 36; ++i) o.pose.covariance[i] = i;
+  o.extents_m = vectorOf({0.1, 0.2, 0.3});
+  o.centroid = pointOf({4, 5, 6});
+  o.box.x_offset = 10, o.box.y_offset = 20, o.box.width = 30, o.box.height = 40;
+  o.points = 777;
+  o.truncated = true;
+  return o;
+}
+
+Objects numberedObjects() {
+  Objects objects;
+  objects.header.stamp = ros::Time(1700000000, 123456789);
+  objects.header.frame_id = "base";
+  objects.status = Objects::NO_INDEX;
+  objects.status_text = "why";
+  objects.table.normal = vectorOf({0, 0, 1});
+  objects.table.distance_m = 0.7f;
+  objects.table.outline = {pointOf({0, 0, 0}), pointOf({1, 0, 0}), pointOf({1, 2, 0})};
+  objects.objects = {numberedObject()};
+  return objects;
+}
+
+TEST(ToLcm, EveryFieldArrivesInLcmOrder) {
+  const object_list_t list = toLcm(numberedObjects());
+  EXPECT_EQ(list.utime, 1700000000123456);
+  EXPECT_EQ(list.frame_name, "base");
+  EXPECT_EQ(list.status, object_list_t::NO_INDEX + 0);
+  EXPECT_EQ(list.status_text, "why");
+  EXPECT_EQ(list.table_normal[2], 1);
+  EXPECT_FLOAT_EQ(list.table_distance_m, 0.7f);
+  ASSERT_EQ(list.num_outline, 3);
+  EXPECT_EQ(list.outline_m[2], (std::vector<double>{1, 2, 0}));
+  ASSERT_EQ(list.num_objects, 1);
+
+  const object_t& o = list.objects[0];
+  EXPECT_EQ(o.id, 3);
+  EXPECT_EQ(o.label, "mug");
+  EXPECT_EQ(o.synset, 3797390);
+  EXPECT_FLOAT_EQ(o.score, 0.87f);
+  EXPECT_FLOAT_EQ(o.distance, 4321);
+  EXPECT_FLOAT_EQ(o.margin, 0.25f);
+  ASSERT_EQ(o.num_alternatives, 5);
+  EXPECT_EQ(o.alternatives[4].label, "c4");
+  EXPECT_FLOAT_EQ(o.alternatives[4].score, 0.4f);
+  EXPECT_FLOAT_EQ(o.alternatives[4].distance, 400);
+  EXPECT_EQ(o.model, "mug-12");
+  EXPECT_EQ(o.view, 42);
+  EXPECT_EQ(std::vector<double>(o.position_m, o.position_m + 3), (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(std::vector<double>(o.quat_wxyz, o.quat_wxyz + 4), (std::vector<double>{0.5, -0.5, 0.5, 0.5}));
+  EXPECT_EQ(o.covariance[0], 21);   // rotation x, rotation x: ROS's row 3, column 3
+  EXPECT_EQ(o.covariance[1], 22);
+  EXPECT_EQ(o.covariance[3], 18);   // rotation x, position x
+  EXPECT_EQ(o.covariance[18], 3);   // position x, rotation x
+  EXPECT_EQ(o.covariance[21], 0);   // position x, position x
+  EXPECT_EQ(o.covariance[35], 14);  // position z, position z
+  EXPECT_EQ(std::vector<double>(o.extents_m, o.extents_m + 3), (std::vector<double>{0.1, 0.2, 0.3}));
+  EXPECT_EQ(std::vector<double>(o.centroid_m, o.centroid_m + 3), (std::vector<double>{4, 5, 6}));
+  EXPECT_EQ(std::vector<int>(o.box_px, o.box_px + 4), (std::vector<int>{10, 20, 30, 40}));
+  EXPECT_EQ(o.num_points, 777);
+  EXPECT_EQ(o.truncated, 1);
+}
+
+TEST(ToLcm, AlwaysFitsOneDatagram) {
+  Objects objects = numberedObjects();
+  objects.table.outline.assign(2000, pointOf({1, 2, 3}));
+  objects.objects.assign(200, numberedObject());
+  EXPECT_EQ(toLcm(objects).num_objects, 64);
+  EXPECT_EQ(toLcm(objects).objects[63].num_alternatives, 5);
+  EXPECT_LE(toLcm(objects).getEncodedSize(), kMaxLcmBytes);
+
+  for (Object& object : objects.objects)
+    for (Candidate& candidate : object.alternatives) candidate.label = std::string(200, 'x');
+  EXPECT_EQ(toLcm(objects).num_objects, 64);  // alternatives go before objects go
+  EXPECT_LT(toLcm(objects).objects[0].num_alternatives, 5);
+  EXPECT_LE(toLcm(objects).getEncodedSize(), kMaxLcmBytes);
+
+  for (Object& object : objects.objects) object.model = std::string(3000, 'm');
+  EXPECT_GT(toLcm(objects).num_objects, 10);
+  EXPECT_LE(toLcm(objects).getEncodedSize(), kMaxLcmBytes);
+}
+
+TEST(SwapHalves, IsItsOwnInverse) {
+  std::array<double, 36> m;
+  for (int i = 0; i < 36; ++i) m[i] = i;
+  EXPECT_NE(swapHalves(m), m);
+  EXPECT_EQ(swapHalves(swapHalves(m)), m);
+}
+
+TEST(Covariance, FollowsTheBox) {
+  // The box's x, 0.6 m long, lies along the frame's y.
+  const Eigen::Quaterniond turned(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()));
+  const auto c = covarianceOf(turned, {0.6, 0.2, 0.1});
+  EXPECT_NEAR(c[0], 0.01 / 3, 1e-12);       // x: half extent 0.1
+  EXPECT_NEAR(c[7], 0.09 / 3, 1e-12);       // y: half extent 0.3
+  EXPECT_NEAR(c[14], 0.0025 / 3, 1e-12);    // z: half extent 0.05
+  EXPECT_NEAR(c[35], M_PI * M_PI / 3, 1e-12);
+  EXPECT_NEAR(c[21], std::pow(M_PI / 180, 2), 1e-12);
+  EXPECT_NEAR(c[1], 0, 1e-12);
+  EXPECT_EQ(c[3], 0);
+}
+
+TEST(Quaternion, XyzwWithPositiveW) {
+  const geometry_msgs::Quaternion q = quaternionOf(Eigen::Quaterniond(-0.5, 0.5, -0.5, 0.5));
+  EXPECT_EQ(q.w, 0.5);
+  EXPECT_EQ(q.x, -0.5);
+  EXPECT_EQ(q.y, 0.5);
+  EXPECT_EQ(q.z, -0.5);
+}
+
+TEST(Transform, MovesTableAndObjects) {
+  Objects objects = numberedObjects();
+  objects.objects[0].pose.pose.orientation = quaternionOf(Eigen::Quaterniond::Identity());
+  const Eigen::Isometry3d move = Eigen::Translation3d(10, 0, 0) * Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX());
+  transform(move, &objects);
+  EXPECT_NEAR(objects.table.normal.y, -1, 1e-12);
+  EXPECT_FLOAT_EQ(objects.table.distance_m, 0.7f);
+  EXPECT_NEAR(objects.table.outline[2].z, 2, 1e-12);
+  const geometry_msgs::Pose& pose = objects.objects[0].pose.pose;
+  EXPECT_NEAR(pose.position.x, 11, 1e-12);
+  EXPECT_NEAR(pose.position.y, -3, 1e-12);
+  EXPECT_NEAR(pose.position.z, 2, 1e-12);
+  EXPECT_NEAR(pose.orientation.x, std::sqrt(0.5), 1e-12);
+  EXPECT_NEAR(pose.orientation.w, std::sqrt(0.5), 1e-12);
+  EXPECT_NEAR(objects.objects[0].centroid.y, -6, 1e-12);
+  EXPECT_NEAR(objects.objects[0].pose.covariance[7], 0.15 * 0.15 / 3, 1e-12);         // the box's z lies along y now
+  EXPECT_NEAR(objects.objects[0].pose.covariance[28], M_PI * M_PI / 3, 1e-12);  // and so does the unknown turn
+}
+
+TEST(ViewOf, SharesThePixels) {
+  const auto image = imageOf(TableScene().depth_mm(), ros::Time(1));
+  const auto depth = viewOf(*image, *infoOf(ros::Time(1)));
+  ASSERT_TRUE(depth.ok()) << depth.status.sentence;
+  EXPECT_EQ(depth.value.data, image->data.data());
+  EXPECT_EQ(depth.value.width_px, 320);
+  EXPECT_EQ(depth.value.height_px, 240);
+  EXPECT_EQ(depth.value.row_bytes, 640u);
+  EXPECT_EQ(depth.value.camera.fx_q16, 262.5 * 65536);
+  EXPECT_EQ(depth.value.camera.cy_q16, 119.5 * 65536);
+}
+
+TEST(ViewOf, TakesMetresToo) {
+  auto image = imageOf(TableScene().depth_mm(), ros::Time(1));
+  std::vector<float> metres;
+  for (const std::uint16_t mm : TableScene().depth_mm()) metres.push_back(mm / 1000.0f);
+  image->encoding = "32FC1";
+  image->step = 320 * 4;
+  image->data.resize(metres.size() * 4);
+  std::memcpy(image->data.data(), metres.data(), image->data.size());
+  const auto depth = viewOf(*image, *infoOf(ros::Time(1)));
+  ASSERT_TRUE(depth.ok());
+  EXPECT_NEAR(depth.value.depthUm(160, 120), TableScene().depth_mm()[120 * 320 + 160] * 1000, 1);
+}
+
+TEST(ViewOf, RefusesWithOneSentence) {
+  const auto refused = [](auto spoil) {
+    const auto image = imageOf(TableScene().depth_mm(), ros::Time(1));
+    const auto info = infoOf(ros::Time(1));
+    spoil(*image, *info);
+    const auto depth = viewOf(*image, *info);
+    EXPECT_FALSE(depth.ok());
+    return depth.status.sentence;
+  };
+  using sensor_msgs::CameraInfo;
+  using sensor_msgs::Image;
+  const auto has = [](const std::string& sentence, const std::string& part) { return sentence.find(part) != std::string::npos; };
+  EXPECT_TRUE(has(refused([](Image& i, CameraInfo&) { i.encoding = "bgr8"; }), "encoding 'bgr8', expected 16UC1"));
+  EXPECT_TRUE(has(refused([](Image& i, CameraInfo&) { i.is_bigendian = 1; }), "big-endian"));
+  EXPECT_TRUE(has(refused([](Image& i, CameraInfo&) { i.data.resize(100); }), "has 100 bytes"));
+  EXPECT_TRUE(has(refused([](Image& i, CameraInfo&) { i.step = 319; }), "rows of 319"));
+  EXPECT_TRUE(has(refused([](Image&, CameraInfo& c) { c.width = 640; }), "camera_info is for 640 x 240, the depth image is 320 x 240"));
+  EXPECT_TRUE(has(refused([](Image&, CameraInfo& c) { c.K[0] = 0; }), "no usable focal length"));
+}
+
+TEST(Status, NamesAndSentences) {
+  EXPECT_STREQ(statusName(Objects::OK), "OK");
+  EXPECT_STREQ(statusName(Objects::NO_DEPTH), "NO_DEPTH");
+  EXPECT_STREQ(statusName(Objects::NO_TABLE), "NO_TABLE");
+  EXPECT_STREQ(statusName(Objects::EMPTY_TABLE), "EMPTY_TABLE");
+  EXPECT_STREQ(statusName(Objects::NO_TRANSFORM), "NO_TRANSFORM");
+  EXPECT_STREQ(statusName(Objects::NO_INDEX), "NO_INDEX");
+  EXPECT_STREQ(statusName(Objects::BAD_INPUT), "BAD_INPUT");
+  EXPECT_STREQ(statusName(7), "UNKNOWN");
+  std::set<std::string> sentences;
+  for (std::uint8_t status = 0; status <= 7; ++status) sentences.insert(statusText(status));
+  EXPECT_EQ(sentences.size(), 8u);
+}
+
+TEST(Fit, PixelsMustLieInTheImage) {
+  const auto image = imageOf(TableScene().depth_mm(), ros::Time(1));
+  const DepthView depth = viewOf(*image, *infoOf(ros::Time(1))).value;
+  Segments segments;
+  segments.width = 320;
+  segments.height = 240;
+  segments.segments.resize(1);
+  segments.segments[0].pixels = {0, 320 * 240 - 1};
+  EXPECT_TRUE(fit(segments, depth));
+  segments.segments[0].pixels.push_back(320 * 240);
+  EXPECT_FALSE(fit(segments, depth));
+  segments.segments.clear();
+  segments.width = 640;
+  EXPECT_FALSE(fit(segments, depth));
+}
+
+TEST(Cloud, HasThePointsInMetresWithTheirColour) {
+  const auto image = imageOf(std::vector<std::uint16_t>(320 * 240, 1050), ros::Time(5));
+  const DepthView depth = viewOf(*image, *infoOf(ros::Time(5))).value;
+  Segments segments;
+  segments.header = image->header;
+  segments.width = 320;
+  segments.height = 240;
+  segments.segments.resize(1);
+  segments.segments[0].id = 2;
+  segments.segments[0].pixels = {120 * 320 + 160, 120 * 320 + 265};
+  const sensor_msgs::PointCloud2 cloud = cloudOf(depth, segments);
+  EXPECT_EQ(cloud.header.frame_id, "camera");
+  EXPECT_EQ(cloud.header.stamp, ros::Time(5));
+  ASSERT_EQ(cloud.width * cloud.height, 2u);
+  sensor_msgs::PointCloud2ConstIterator<float> xyz(cloud, "x");
+  sensor_msgs::PointCloud2ConstIterator<std::uint8_t> bgr(cloud, "rgb");
+  ++xyz;
+  EXPECT_NEAR(xyz[0], (265 - 159.5) / 262.5 * 1.05, 2e-6);
+  EXPECT_NEAR(xyz[1], 0.5 / 262.5 * 1.05, 2e-6);
+  EXPECT_NEAR(xyz[2], 1.05, 1e-6);
+  EXPECT_EQ(bgr[2], colourOf(2)[0]);
+  EXPECT_EQ(bgr[0], colourOf(2)[2]);
+}
+
+TEST(Markers, BoxLabelAndOutline) {
+  const Objects objects = numberedObjects();
+  const auto array = markersOf(objects, {});
+  ASSERT_EQ(array.markers.size(), 3u);
+  const auto& outline = array.markers[0];
+  EXPECT_EQ(outline.type, visualization_msgs::Marker::LINE_STRIP + 0);
+  ASSERT_EQ(outline.points.size(), 4u);  // closed
+  EXPECT_EQ(outline.points[3].x, outline.points[0].x);
+  const auto& box = array.markers[1];
+  EXPECT_EQ(box.header.frame_id, "base");
+  EXPECT_EQ(box.ns, "box");
+  EXPECT_EQ(box.id, 3);
+  EXPECT_EQ(box.type, visualization_msgs::Marker::CUBE + 0);
+  EXPECT_EQ(box.pose.position.y, 2);
+  EXPECT_EQ(box.pose.orientation.x, -0.5);
+  EXPECT_EQ(box.scale.z, 0.3);
+  EXPECT_FLOAT_EQ(box.color.r, colourOf(3)[0] / 255.0f);
+  const auto& label = array.markers[2];
+  EXPECT_EQ(label.ns, "label");
+  EXPECT_EQ(label.type, visualization_msgs::Marker::TEXT_VIEW_FACING + 0);
+  EXPECT_EQ(label.text, "mug 87 %");
+}
+
+TEST(Markers, WhatIsGoneIsDeleted) {
+  Objects objects = numberedObjects();
+  const auto kept = markersOf(objects, {3, 4});
+  ASSERT_EQ(kept.markers.size(), 5u);
+  for (int i = 3; i < 5; ++i) {
+    EXPECT_EQ(kept.markers[i].action, visualization_msgs::Marker::DELETE + 0);
+    EXPECT_EQ(kept.markers[i].id, 4);
+  }
+  objects.objects.clear();
+  objects.table = {};
+  const auto gone = markersOf(objects, {3});
+  ASSERT_EQ(gone.markers.size(), 3u);
+  for (const auto& marker : gone.markers) EXPECT_EQ(marker.action, visualization_msgs::Marker::DELETE + 0);
+}
+
+TEST(Overlay, ColoursTheObjectAndNothingElse) {
+  const auto image = imageOf(std::vector<std::uint16_t>(320 * 240, 1000), ros::Time(5));
+  const DepthView depth = viewOf(*image, *infoOf(ros::Time(5))).value;
+  Segments segments;
+  segments.width = 320;
+  segments.height = 240;
+  segments.segments.resize(1);
+  segments.segments[0].id = 3;
+  segments.segments[0].pixels = {100 * 320 + 150};
+  const cv::Mat drawing = drawOverlay(depth, segments, numberedObjects());
+  ASSERT_EQ(drawing.type(), CV_8UC3);
+  ASSERT_EQ(drawing.size(), cv::Size(320, 240));
+  const cv::Vec3b object = drawing.at<cv::Vec3b>(100, 150), beside = drawing.at<cv::Vec3b>(100, 151);
+  EXPECT_EQ(beside[0], beside[1]);
+  EXPECT_EQ(beside[1], beside[2]);
+  EXPECT_NEAR(object[2], 0.35 * beside[2] + 0.65 * colourOf(3)[0], 1);
+  EXPECT_EQ(drawing.at<cv::Vec3b>(20 + 39, 10 + 5)[1], colourOf(3)[1]);  // the box's lower edge
+}
+
+TEST(Params, ReconfigurableDefaultsAreTheLibrarys) {
+  const SegmentParams p = paramsOf(SegmentationConfig::__getDefault__());
+  EXPECT_EQ(p.min_depth_mm, SegmentParams().min_depth_mm);
+  EXPECT_EQ(p.max_clusters, SegmentParams().max_clusters);
+  EXPECT_EQ(paramsOf(ClassificationConfig::__getDefault__()).radius_bits, ClassifyParams().radius_bits);
+}
+
+}  // namespace
+}  // namespace voxid
