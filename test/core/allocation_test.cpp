@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// After construction the frame path takes no memory. This binary counts every allocation.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "core/clouds.h"
+#include "core/index_fixture.h"
+#include "voxid/core/classifier.h"
+#include "voxid/core/search.h"
+
+namespace {
+std::atomic<int> allocations{0};
+}
+
+void* operator new(std::size_t bytes) {
+  ++allocations;
+  if (void* const memory = std::malloc(bytes)) return memory;
+  std::abort();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace voxid {
+namespace {
+
+template <typename Work>
+int allocationsIn(Work work) {
+  const int before = allocations;
+  work();
+  return allocations - before;
+}
+
+TEST(Allocation, IsCounted) {
+  EXPECT_GT(allocationsIn([] { std::vector<int>(100).swap(*std::make_unique<std::vector<int>>()); }), 0);
+}
+
+TEST(Allocation, DescribeTakesNone) {
+  const test::Cloud mug = test::mug(), many(100000, PointUm{1, 2, 3});
+  const std::vector<std::uint16_t> depth(640 * 480, 800);
+  std::vector<std::uint32_t> pixels(80000);
+  for (std::uint32_t i = 0; i < pixels.size(); ++i) pixels[i] = i;
+  const DepthView view{depth.data(), 640, 480, 1280, DepthUnit::MillimetreU16, Camera::fromPixels(525, 525, 320, 240)};
+  Describer describer;
+  EXPECT_EQ(allocationsIn([&] {
+              (void)describer.describe(test::spanOf(mug));
+              (void)describer.describe(test::spanOf(many));
+              (void)describer.describe(view, {pixels.data(), pixels.size()});
+            }),
+            0);
+}
+
+TEST(Allocation, FindAndClassifyTakeNone) {
+  test::Folder folder;
+  const auto index = test::writtenIndex(folder, test::randomContent(30, 2, 8, 1));
+  const auto exact = makeExactSearch(index), lsh = makeLshSearch(index, 4);
+  for (Search* const search : {exact.get(), lsh.get()}) {
+    EXPECT_EQ(allocationsIn([&] {
+                for (std::uint32_t view = 0; view < 20; ++view) {
+                  const Nearest& nearest = search->find(index->code(view), view % 3);
+                  (void)classify(*index, nearest, ClassifyMethod::Vote, 0);
+                  (void)classify(*index, nearest, ClassifyMethod::OneNn, 0);
+                }
+              }),
+              0);
+  }
+}
+
+}  // namespace
+}  // namespace voxid

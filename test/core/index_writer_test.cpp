@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxid/library/index_writer.h"
+
+#include <dirent.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "core/index_fixture.h"
+
+namespace voxid {
+namespace {
+
+using test::Folder;
+using test::readBytes;
+
+int entriesIn(const std::string& folder) {
+  DIR* const directory = ::opendir(folder.c_str());
+  int entries = -2;  // . and ..
+  while (::readdir(directory) != nullptr) ++entries;
+  ::closedir(directory);
+  return entries;
+}
+
+std::string bytesOf(const IndexContent& content) {
+  Folder folder;
+  const std::string path = folder.file("x.vxi");
+  const Status status = writeIndex(content, path);
+  EXPECT_TRUE(status.ok()) << status.sentence;
+  return readBytes(path);
+}
+
+// The content of test/data/golden/v1.vxi, by integer formulas.
+IndexContent goldenContent() {
+  IndexContent content;
+  content.params = {5000, 7};
+  content.directions = test::someDirections(4);
+  for (int bin = 0; bin < format::Calibration::kBins; ++bin) {
+    content.calibration.score_permille[bin] = static_cast<std::uint16_t>(20 * bin);
+  }
+  content.calibration.samples = 321;
+  const auto view = [](int direction, int peak) {
+    ViewRecord record{static_cast<std::uint8_t>(direction), static_cast<std::uint32_t>(1000 + peak), {9, 99, 65535}, {}};
+    for (int i = 0; i < kDescriptorBytes; ++i) record.code.push_back(static_cast<std::uint8_t>((i * peak) % 251));
+    return record;
+  };
+  content.models = {{"mug", "b", "CC0", "https://example.org/b", 3797390, {view(0, 3), view(2, 5)}},
+                    {"bowl", "a", "CC-BY-4.0", "", 2881193, {view(3, 3)}},
+                    {"mug", "\xc3\xa4", "CC0", "https://example.org/b", 3797390, {view(1, 7), view(2, 3)}}};
+  return content;
+}
+
+// Format 1 is kept for ever: the writer makes these bytes, every reader reads them. VOXID_WRITE_GOLDEN=1 writes the file.
+TEST(WriteIndex, GoldenFileOfVersion1) {
+  const std::string path = "test/data/golden/v1.vxi";
+  if (std::getenv("VOXID_WRITE_GOLDEN") != nullptr) {
+    ASSERT_TRUE(writeIndex(goldenContent(), path).ok());
+  }
+  EXPECT_TRUE(bytesOf(goldenContent()) == readBytes(path)) << "the bytes of " << path << " changed";
+  const auto index = test::openGood(path);
+  ASSERT_NE(index, nullptr);
+  EXPECT_TRUE(index->verify().ok());
+  ASSERT_EQ(index->models().size, 3u);
+  EXPECT_EQ(index->modelName(2), "\xc3\xa4");
+  EXPECT_EQ(index->views()[4].direction, 2);
+}
+
+TEST(WriteIndex, OrderOfModelsDoesNotMatter) {
+  IndexContent content = test::randomContent(5, 4, 3, 1);
+  const std::string bytes = bytesOf(content);
+  std::reverse(content.models.begin(), content.models.end());
+  EXPECT_TRUE(bytesOf(content) == bytes);
+}
+
+TEST(WriteIndex, WritingWhatWasReadGivesTheSameBytes) {
+  Folder folder;
+  const auto index = test::writtenIndex(folder, test::randomContent(7, 3, 5, 2));
+  const Result<IndexContent> content = readContent(*index);
+  ASSERT_TRUE(content.ok());
+  EXPECT_EQ(content.value.models.size(), 21u);
+  EXPECT_TRUE(bytesOf(content.value) == readBytes(index->path()));
+}
+
+TEST(WriteIndex, ReplacesWhatIsThereAndReadersKeepTheOldFile) {
+  Folder folder;
+  const std::string path = folder.file("x.vxi");
+  ASSERT_TRUE(writeIndex(test::randomContent(2, 1, 1, 3), path).ok());
+  const auto old = test::openGood(path);
+  ASSERT_TRUE(writeIndex(test::randomContent(3, 2, 2, 4), path).ok());
+  EXPECT_EQ(old->models().size, 2u);
+  EXPECT_TRUE(old->verify().ok());
+  EXPECT_EQ(test::openGood(path)->models().size, 6u);
+  EXPECT_EQ(entriesIn(folder.path()), 1);
+  struct stat info {};
+  ASSERT_EQ(::stat(path.c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 0400, 0400u);
+}
+
+void expectRefused(const IndexContent& content, const std::string& reason) {
+  Folder folder;
+  const Status status = writeIndex(content, folder.path() + "/x.vxi");
+  EXPECT_EQ(status.kind, Status::Kind::CannotDo);
+  EXPECT_NE(status.sentence.find(reason), std::string::npos) << status.sentence;
+  EXPECT_EQ(entriesIn(folder.path()), 0);
+}
+
+template <typename Change>
+IndexContent spoilt(Change change) {
+  IndexContent content = test::randomContent(2, 2, 2, 5);
+  change(content);
+  return content;
+}
+
+TEST(WriteIndex, RefusesWhatAReaderCouldNotRelyOn) {
+  expectRefused({}, "no model");
+  expectRefused(spoilt([](IndexContent& c) { c.models[1].views.clear(); }), "has no view");
+  expectRefused(spoilt([](IndexContent& c) { c.models.push_back(c.models[0]); }), "twice");
+  expectRefused(spoilt([](IndexContent& c) { c.models[0].synset = 7; }), "synset");
+  expectRefused(spoilt([](IndexContent& c) { c.models[0].name.clear(); }), "empty category or name");
+  expectRefused(spoilt([](IndexContent& c) { c.models[0].category.clear(); }), "empty category or name");
+  expectRefused(spoilt([](IndexContent& c) { c.models[0].origin = std::string("a\0b", 3); }), "NUL");
+  expectRefused(spoilt([](IndexContent& c) { c.models[0].views[1].direction = 0; }), "do not ascend");
+  expectRefused(spoilt([](IndexContent& c) { c.models[0].views[1].direction = 2; }), "direction is not in the list");
+  expectRefused(spoilt([](IndexContent& c) { c.models[0].views[1].code.pop_back(); }), "code of 415 bytes");
+  expectRefused(spoilt([](IndexContent& c) { c.calibration.score_permille[0] = 1000; }), "calibration");
+  expectRefused(spoilt([](IndexContent& c) { c.params.pairs = 0; }), "pairs");
+  expectRefused(spoilt([](IndexContent& c) { c.directions.resize(257); }), "256 directions");
+}
+
+TEST(WriteIndex, SaysWhyItCannotWriteAndLeavesNothing) {
+  Folder folder;
+  const IndexContent content = test::randomContent(1, 1, 1, 6);
+  const Status no_folder = writeIndex(content, folder.path() + "/none/x.vxi");
+  EXPECT_EQ(no_folder.kind, Status::Kind::CannotDo);
+  EXPECT_NE(no_folder.sentence.find("No such file or directory"), std::string::npos) << no_folder.sentence;
+  const Status is_folder = writeIndex(content, folder.path());
+  EXPECT_EQ(is_folder.kind, Status::Kind::CannotDo);
+  const std::size_t slash = folder.path().rfind('/');
+  EXPECT_EQ(::access((folder.path() + ".new-" + std::to_string(::getpid()) + "-0").c_str(), F_OK), -1) << slash;
+}
+
+TEST(BuiltInCalibration, Rises) {
+  const format::Calibration curve = builtInCalibration();
+  EXPECT_EQ(curve.samples, 0u);
+  EXPECT_TRUE(std::is_sorted(std::begin(curve.score_permille), std::end(curve.score_permille)));
+  EXPECT_GT(curve.score_permille[0], 0);
+  EXPECT_LE(curve.score_permille[format::Calibration::kBins - 1], 1000);
+}
+
+}  // namespace
+}  // namespace voxid
