@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <mutex>
@@ -48,15 +49,25 @@ Outcome outcomeOf(const Index& index, const Answer& answer, const std::string& c
   return outcome;
 }
 
+/// The folder's camera goes with all its images, also with those in folders of their own.
+CameraChoice cameraOf(const std::string& folder) {
+  const std::filesystem::path info = std::filesystem::path(folder) / "camera_info.yaml";
+  std::error_code error;
+  return {std::filesystem::exists(info, error) ? info.string() : std::string()};
+}
+
 /// Answers one query after the other, as long as there are any; one object a thread.
 class Examiner {
  public:
   Examiner(const Options& options, std::shared_ptr<const Index> index, const std::vector<Query>& queries,
            Outcomes& outcomes)
-      : recogniser_(std::move(index), options.search), queries_(queries), outcomes_(outcomes) {}
+      : recogniser_(std::move(index), options.search),
+        camera_(cameraOf(options.queries)),
+        queries_(queries),
+        outcomes_(outcomes) {}
 
   Status answer(std::size_t query) {
-    const auto file = readDepthFile(queries_[query].path, CameraChoice{});
+    const auto file = readDepthFile(queries_[query].path, camera_);
     if (!file.ok()) return file.status;
     const std::vector<std::uint32_t> pixels = setPixels(file.value.view());
     const Clock::time_point start = Clock::now();
@@ -77,6 +88,7 @@ class Examiner {
   }
 
   Recogniser recogniser_;
+  CameraChoice camera_;
   const std::vector<Query>& queries_;
   Outcomes& outcomes_;
 };
