@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "parts.h"
+
 namespace voxid {
 namespace {
 
@@ -67,6 +69,8 @@ void CaptureLoop::setState(CaptureState state, const std::string& cause) {
 }
 
 void CaptureLoop::run() {
+  // From the first demand on: OpenNI2 keeps looking for devices between two tries, and does not start anew for each.
+  Result<std::shared_ptr<OpenNiSession>> session = Status{};
   for (;;) {
     {
       std::unique_lock<std::mutex> lock(mutex_);
@@ -77,6 +81,7 @@ void CaptureLoop::run() {
       retry_ms_ = 0;
     }
     in_outage_ = false;
+    if (!session.value) session = OpenNiSession::begin();
     serveDemand();
   }
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "oni_file.h"
 #include "parts.h"
 
 namespace voxid {
@@ -43,20 +44,12 @@ bool namesFile(const std::string& choice) {
   return named_so || (choice.find(':') == std::string::npos && stat(choice.c_str(), &info) == 0 && S_ISREG(info.st_mode));
 }
 
-Status checkFile(const std::string& path) {
-  struct stat info = {};
-  if (stat(path.c_str(), &info) != 0) return Status::cannotDo(path + " does not exist; expected an .oni recording");
-  if (!S_ISREG(info.st_mode)) return Status::cannotDo(path + " is not a file; expected an .oni recording");
-  if (info.st_size == 0) return Status::damaged(path + " is empty; expected an .oni recording; record it again");
-  return {};
-}
-
 std::string inParentheses(const std::string& text) { return text.empty() ? "" : " (" + text + ")"; }
 
 /// What to give to OpenNI2's open().
 Result<DeviceDescription> resolve(const std::string& choice) {
   if (namesFile(choice)) {
-    const Status file = checkFile(choice);
+    const Status file = oniLength(choice).status;
     if (!file.ok()) return file;
     return DeviceDescription{choice, "", "", ""};
   }
@@ -71,7 +64,7 @@ Result<DeviceDescription> resolve(const std::string& choice) {
 Status openNative(openni::Device& device, const std::string& uri) {
   if (device.open(uri.c_str()) == openni::STATUS_OK) return {};
   const std::string why = inParentheses(openNiComplaint());
-  if (namesFile(uri)) return Status::damaged(uri + " is cut short or is no .oni recording" + why + "; record it again");
+  if (namesFile(uri)) return Status::damaged(uri + " is no recording that OpenNI2 can read" + why + "; record it again");
   return Status::cannotDo("device " + uri + " cannot be opened" + why + "; is it plugged in, and does no other program use it?");
 }
 

@@ -6,8 +6,10 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstring>
 #include <thread>
 
+#include "oni_file.h"
 #include "parts.h"
 
 namespace voxid {
@@ -47,7 +49,17 @@ Status follow(Device& device, const RecordLimits& limits, RecordReport& report, 
   return {};
 }
 
+/// Asked beforehand: OpenNI2's recorder crashes on a file that cannot be written.
+Status checkWritable(const std::string& path) {
+  const int fd = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (fd < 0) return Status::cannotDo(path + " cannot be written: " + std::strerror(errno));
+  close(fd);
+  return {};
+}
+
 Status startRecorder(openni::Recorder& recorder, Device& device, const std::string& path) {
+  const Status writable = checkWritable(path);
+  if (!writable.ok()) return writable;
   bool ok = recorder.create(path.c_str()) == openni::STATUS_OK;
   for (SensorStream& sensor : device.parts().sensors)
     if (ok && sensor.open()) ok = recorder.attach(sensor.stream, false) == openni::STATUS_OK;
@@ -79,8 +91,10 @@ Status countFrames(const std::string& path, int& frames) {
 }
 
 Status publishFile(const std::string& beside, const std::string& path) {
-  const int fd = open(beside.c_str(), O_RDONLY | O_CLOEXEC);
-  const bool safe = fd >= 0 && fsync(fd) == 0;
+  const auto length = oniLength(beside);
+  if (!length.ok()) return length.status;
+  const int fd = open(beside.c_str(), O_WRONLY | O_CLOEXEC);
+  const bool safe = fd >= 0 && ftruncate(fd, length.value) == 0 && fsync(fd) == 0;
   if (fd >= 0) close(fd);
   if (safe && std::rename(beside.c_str(), path.c_str()) == 0) return {};
   return Status::cannotDo(path + " cannot be written; is the disk full or the folder read-only?");
