@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import pathlib
+
+import cv2
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+CATEGORIES = {"ball": 1, "board": 1, "cone": 1, "cube": 2, "rod": 1, "tin": 1}
+QUERIES = [("tin", "tin_a", 17), ("tin", "tin_a", 40), ("cone", "cone_a", 3), ("rod", "rod_a", 5), ("board", "board_a", 64)]
+
+
+@pytest.fixture(scope="module")
+def queries(views, tmp_path_factory):
+    """Five taught views with their right labels, and one that is called what no index knows."""
+    folder = tmp_path_factory.mktemp("queries")
+    rows = ["file,category,model,points"]
+    for category, model, direction in [*QUERIES, ("ball", "ball_a", 0)]:
+        image = views(category, model, direction)
+        name = f"{category}/{model}_{direction}.png"
+        (folder / category).mkdir(exist_ok=True)
+        (folder / name).write_bytes(image.read_bytes())
+        (folder / "camera_info.yaml").write_bytes((image.parent / "camera_info.yaml").read_bytes())
+        rows.append(f"{name},{'moon' if category == 'ball' else category},{model},1")
+    (folder / "queries.csv").write_text("\n".join(rows) + "\n")
+    return folder
+
+
+def timeless(result):
+    return {**result, "rows": [{k: v for k, v in row.items() if k != "us_per_query"} for row in result["rows"]]}
+
+
+def test_info(voxid, index):
+    line = voxid("info", index, "--json").json
+    assert (line["models"], line["views"], line["categories"]) == (7, 560, 6)
+    assert line["bytes"] == index.stat().st_size
+    assert line["bytes_per_view"] == pytest.approx(line["bytes"] / 560)
+    assert line["descriptor"] == "paper" and line["version"] == "1.0" and line["code_bytes"] == 416
+    assert (line["pairs"], line["seed"]) == (10000, 1)
+    assert 0 < line["buckets"] <= 560
+    assert sum(entry["models"] for entry in line["licences"]) == 7
+    assert "category_list" not in line
+    listed = voxid("info", index, "--json", "--categories").json["category_list"]
+    assert {entry["name"]: entry["models"] for entry in listed} == CATEGORIES
+    text = voxid("info", index)
+    assert text.code == 0 and "models       7" in text.out and "cube" not in text.out
+    assert "cube" in voxid("info", index, "--categories").out
+
+
+def test_eval_counts_right_answers(voxid, index, queries):
+    result = voxid("eval", "--index", index, "--queries", queries, "--json").json
+    assert result["queries"] == 6
+    assert [row["method"] for row in result["rows"]] == ["1nn", "vote"]
+    nearest = result["rows"][0]
+    assert nearest["descriptor"] == "paper"
+    assert nearest["top1"] == pytest.approx(100 * 5 / 6, abs=0.01)
+    assert nearest["mean_category"] == pytest.approx(100 * 4 / 5, abs=0.01)
+    assert nearest["top5"] == pytest.approx(100 * 5 / 6, abs=0.01)
+    assert nearest["us_per_query"] > 0
+    assert nearest["bytes_per_view"] == pytest.approx(index.stat().st_size / 560, abs=0.01)
+    low, high = nearest["top1_95"]
+    assert 0 <= low <= nearest["top1"] <= high <= 100 and low < high
+
+
+def test_eval_does_not_depend_on_jobs(voxid, index, queries):
+    results = [voxid("eval", "--index", index, "--queries", queries, "--json", "--jobs", jobs).json for jobs in (1, 2, 5)]
+    assert timeless(results[0]) == timeless(results[1]) == timeless(results[2])
+
+
+def test_every_takes_each_nth(voxid, index, queries):
+    result = voxid("eval", "--index", index, "--queries", queries, "--json", "--every", 3).json
+    assert result["queries"] == 2 and result["rows"][0]["top1"] == 100
+
+
+def test_the_table_has_a_row_a_method(voxid, index, queries, tmp_path):
+    answer = voxid("eval", "--index", index, "--queries", queries, "--confusion", tmp_path / "c.png")
+    assert (answer.code, answer.err) == (0, "")
+    assert [line.split()[:2] for line in answer.out.splitlines()[2:]] == [["paper", "1nn"], ["paper", "vote"]]
+    assert "83.33" in answer.out
+    picture = cv2.imread(str(tmp_path / "c.png"))
+    assert picture.shape[0] == picture.shape[1] > 120
+
+
+def test_bad_queries(voxid, index, queries, tmp_path):
+    def refused(code, *words):
+        voxid("eval", "--index", index, "--queries", tmp_path, "--json").refuses(code, *words)
+
+    table = tmp_path / "queries.csv"
+    refused(1, "queries.csv")
+    table.touch()
+    refused(4, "empty")
+    table.write_text("file,category\na.png,b\n")
+    refused(1, "column model")
+    table.write_text("file,category,model\n")
+    refused(3, "no query")
+    table.write_text("file,category,model\na.png,b\n")
+    refused(1, "line 2")
+    table.write_text("file,category,model\na.png,b,c\nz.png,b,c\n")
+    refused(1, "a.png", "no such file")
+    voxid("eval", "--index", tmp_path / "none.vxi", "--queries", queries).refuses(1, "none.vxi")
+
+
+def test_the_real_queries(voxid, index):
+    folder = ROOT / "../shared/data/queries/dev"
+    if not folder.exists():
+        pytest.skip("../shared/data/queries/dev is not there")
+    result = voxid("eval", "--index", index, "--queries", folder, "--every", 100, "--json").json
+    assert result["queries"] == 14
