@@ -47,7 +47,7 @@ int main(int argc, char** argv) try {
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // what is wrong is said once, by us
   CLI::App app{"voxid names the things on a table"};
   app.set_version_flag("--version", "voxid " VOXID_VERSION);
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);  // with 1 as the least, CLI11 does not say which word is none
 
   std::vector<std::pair<CLI::App*, Run>> commands;
   for (const SubCommand& command : kSubCommands) {
@@ -65,7 +65,7 @@ int main(int argc, char** argv) try {
     const Status status = run();
     return status.ok() ? 0 : fail(status);
   }
-  return 0;
+  return fail(Status::badUse("no sub-command given; see --help"));
 } catch (const std::exception& error) {
   return fail(voxid::Status::cannotDo(error.what()));
 }
