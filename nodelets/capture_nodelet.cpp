@@ -133,6 +133,10 @@ void CaptureNodelet::onFrame(const CaptureFrame& frame, const Intrinsics& intrin
   const sensor_msgs::ImagePtr image = imageOf(frame);
   image->header.stamp = info->header.stamp = stamp;
   image->header.frame_id = info->header.frame_id = output.frame_id;
+  publish(output, image, info);
+}
+
+void CaptureNodelet::publish(const Output& output, const sensor_msgs::ImagePtr& image, const sensor_msgs::CameraInfoPtr& info) {
   output.info.publish(info);
   output.image.publish(image);
 }

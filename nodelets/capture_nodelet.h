@@ -24,7 +24,7 @@ class CaptureNodelet : public nodelet::Nodelet {
  public:
   ~CaptureNodelet() override;
 
- private:
+ protected:
   /// The two topics of a sensor.
   struct Output {
     std::string frame_id;
@@ -34,6 +34,10 @@ class CaptureNodelet : public nodelet::Nodelet {
     bool wanted() const { return image.getNumSubscribers() > 0 || info.getNumSubscribers() > 0; }
   };
 
+  /// Hands the messages out by pointer: who listens in the same manager gets this very image.
+  virtual void publish(const Output& output, const sensor_msgs::ImagePtr& image, const sensor_msgs::CameraInfoPtr& info);
+
+ private:
   void onInit() override;
   void setUpOutput(Output& output, const std::string& name, const std::string& frame_id, const std::string& url_param);
   void advertise(Output& output, const std::string& name);

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Prints the environment in which OpenNI2 sees a folder of depth images as its camera, and no real camera:
 #   eval "$(scripts/replay_env.sh FOLDER [OPTION=VALUE...])"     options: fps loop hold serial control mirror unit (doc/capture.md)
-# VOXID_BUILD names the build folder (default: build, or the install prefix that this file lies in).
+# VOXID_BUILD names the build folder (default: build beside scripts; installed: what lies beside this file).
 set -euo pipefail
 here=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")" && pwd)
 folder=${1:-}
@@ -14,9 +14,7 @@ fi
 shift
 
 layout=${VOXID_BUILD:-$here/../build}/openni2
-for candidate in "$here"/../../openni2 "$here"/../../../lib/*/voxid/openni2 "$here"/../../../lib/voxid/openni2; do
-  [ -d "$layout" ] || layout=$candidate
-done
+[ -d "$here/openni2" ] && layout=$here/openni2
 [ -e "$layout/OpenNI2/Drivers/libVoxidReplay.so.0" ] || {
   echo "replay_env: the replay driver is not built (looked for $layout/OpenNI2/Drivers/libVoxidReplay.so.0); run scripts/build" >&2
   exit 1
