@@ -145,16 +145,30 @@ std::uint32_t squaredDistance(const Sample& a, const Sample& b) {
 
 struct Counts {
   std::array<std::array<std::uint32_t, kFineBins>, kKinds> distance{};
-  std::array<std::uint32_t, kRatioBins> ratio{};
+  std::array<std::uint32_t, kRatioBins + 1> ratio{};  // the last one takes the lines that are not mixed
 };
 
-// 64 on / inner, rounded down; on < inner, since the line is mixed.
-int ratioBin(Trace line) { return line.on * kRatioBins / line.inner; }
+// Where a line counts, by its inner and set cells: looked up, since three branches that no predictor can learn cost more.
+struct Verdict {
+  std::uint8_t kind, ratio_bin;
+};
+constexpr int kTraceSide = 64;
+using VerdictTable = std::array<Verdict, kTraceSide * kTraceSide>;
 
-void add(Counts& counts, int distance_bin, Trace line) {
+std::size_t entryOf(Trace line) { return std::size_t{line.inner} * kTraceSide + line.on; }
+
+Verdict verdictOn(Trace line) {
   const LineKind kind = kindOf(line);
-  ++counts.distance[static_cast<std::size_t>(kind)][distance_bin];
-  if (kind == LineKind::Mixed) ++counts.ratio[ratioBin(line)];
+  const int ratio_bin = kind == LineKind::Mixed ? line.on * kRatioBins / line.inner : kRatioBins;
+  return {static_cast<std::uint8_t>(kind), static_cast<std::uint8_t>(ratio_bin)};
+}
+
+VerdictTable makeVerdictTable() {
+  VerdictTable table{};
+  for (std::uint8_t inner = 0; inner < kTraceSide; ++inner) {
+    for (std::uint8_t on = 0; on <= inner; ++on) table[entryOf({inner, on})] = verdictOn({inner, on});
+  }
+  return table;
 }
 
 // round(255 sqrt(count / pairs)); 260,100 = (2 x 255)^2 leaves the half that rounding needs.
@@ -188,7 +202,7 @@ void write(const Counts& counts, std::uint32_t pairs, Descriptor& bins) {
   for (const auto& kind : counts.distance) {
     out = writeMerged(out, kKindBins, pairs, [&](int fine) { return kind[fine]; });
   }
-  for (const std::uint32_t count : counts.ratio) *out++ = halfRootOfShare(count, pairs);
+  for (int bin = 0; bin < kRatioBins; ++bin) *out++ = halfRootOfShare(counts.ratio[bin], pairs);
 }
 
 // ---- which points ----------------------------------------------------------------------------------------------
@@ -232,6 +246,7 @@ const char* nameOf(DescribeStatus status) {
 struct Describer::Workspace {
   DescriptorParams params;
   RootTable roots = makeRootTable();
+  VerdictTable verdicts = makeVerdictTable();
   VoxelGrid surface;
   std::array<PointUm, kMaxPoints> points;
   std::array<Sample, kMaxPoints> samples;
@@ -296,7 +311,9 @@ Counts Describer::Workspace::drawPairs(std::size_t points) const {
     const Sample &a = samples[first], &b = samples[second];
     const std::uint32_t bin_squared = squaredDistance(a, b) / 1024;
     const int distance_bin = bin_squared < kRootTable ? roots[bin_squared] : kFineBins - 1;
-    add(counts, distance_bin, walk(surface, a.cell, b.cell));
+    const Verdict verdict = verdicts[entryOf(walk(surface, a.cell, b.cell))];
+    ++counts.distance[verdict.kind][distance_bin];
+    ++counts.ratio[verdict.ratio_bin];
   }
   return counts;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxid/core/grid.h"
 
+#include "bits.h"
+
 namespace voxid {
 namespace {
 
@@ -41,12 +43,6 @@ void erode(const Rows& in, Axis axis, Rows& out) {
     const std::uint64_t after = axis.last(row) ? kAll : in[row + axis.stride];
     out[row] = in[row] & before & after;
   }
-}
-
-int bitsSet(std::uint64_t word) {
-  int bits = 0;
-  for (; word != 0; word &= word - 1) ++bits;
-  return bits;
 }
 
 }  // namespace

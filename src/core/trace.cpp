@@ -2,64 +2,96 @@
 #include "voxid/core/trace.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
+
+#include "bits.h"
 
 namespace voxid {
 namespace {
 
+// Which way a line goes, how long it is and how it ends are coin tosses to a branch predictor, and a wrong guess costs as
+// much as ten steps: hence arithmetic where one would expect `if`.
+
 // A position on the line as one word of three 21-bit lanes (z, y, x from the top), each 6 bits of cell and 15 of
-// fraction, so that a step is a single addition. Lanes never go negative, so that borrows of negative steps cancel.
+// fraction, so that a step is a single addition. Lanes never go negative on the line, so borrows of negative steps cancel.
 constexpr int kFraction = 15;
 constexpr int kLane = 21;
 
 // Bresenham rounds a position to the nearest cell, halves in the direction of the step. Along n <= 63 steps no position
-// but a half is nearer to a half than 1 / 2n >= 260 / 2^15, and truncating the step costs less than 63 / 2^15 in all:
+// but a half is nearer to a half than 1 / 2n >= 260 / 2^15, and truncating the step costs less than 64 / 2^15 in all:
 // a push of 128 / 2^15 towards the step's direction rounds every position as exact arithmetic would.
-constexpr std::int64_t kHalf = 1 << (kFraction - 1);
-constexpr std::int64_t kPush = 128;
+constexpr std::int32_t kHalf = 1 << (kFraction - 1);
+constexpr std::int32_t kPush = 128;
+
+constexpr std::array<std::uint32_t, VoxelGrid::kSide> makeReciprocals() {
+  std::array<std::uint32_t, VoxelGrid::kSide> reciprocals{};
+  for (std::uint32_t n = 1; n < reciprocals.size(); ++n) reciprocals[n] = 0x80000000u / n;
+  return reciprocals;
+}
+constexpr auto kReciprocals = makeReciprocals();  // 2^31 / n
 
 struct Lane {
   std::int64_t start, step;
 };
 
-// Positions of one axis from cell `from` to cell `to` in `steps` steps.
-Lane laneOf(int from, int to, int steps) {
-  const int d = to - from;
-  const std::int64_t size = (std::abs(d) << kFraction) / steps;
-  const std::int64_t start = (std::int64_t{from} << kFraction) + kHalf;
-  return d < 0 ? Lane{start - kPush, -size} : Lane{start + kPush, size};
+// Positions of one axis from cell `from` in `steps` steps that go `d` cells in all.
+Lane laneOf(std::int32_t from, std::int32_t d, std::int32_t steps) {
+  const std::int32_t sign = d >> 31;  // 0 or -1; (v ^ sign) - sign gives v the sign of d
+  const auto length = static_cast<std::uint64_t>((d ^ sign) - sign);
+  const auto size = static_cast<std::int32_t>(length * kReciprocals[static_cast<std::size_t>(steps)] >> 16);
+  return {(from << kFraction) + kHalf + (kPush ^ sign) - sign, (size ^ sign) - sign};
 }
 
-std::int64_t pack(std::int64_t z, std::int64_t y, std::int64_t x) {
-  return z * (std::int64_t{1} << 2 * kLane) + y * (std::int64_t{1} << kLane) + x;
+std::uint64_t pack(std::int64_t z, std::int64_t y, std::int64_t x) {
+  return (static_cast<std::uint64_t>(z) << 2 * kLane) + (static_cast<std::uint64_t>(y) << kLane) +
+         static_cast<std::uint64_t>(x);
 }
 
-bool comesFirst(Cell a, Cell b) {
-  if (a.z != b.z) return a.z < b.z;
-  return a.y != b.y ? a.y < b.y : a.x <= b.x;
+// The multiplication copies y's cell next to z's, whose own copy leaves the word.
+std::uint64_t bitAt(const std::uint64_t* rows, std::uint64_t at) {
+  constexpr int kRow = 2 * kLane + kFraction - 6;
+  constexpr std::uint64_t kCells = std::uint64_t{63} << (2 * kLane + kFraction) | std::uint64_t{63} << (kLane + kFraction);
+  const std::uint64_t row = (at & kCells) * ((std::uint64_t{1} << kFraction) + 1) >> kRow;
+  return rows[row] >> (at >> kFraction & 63) & 1;
 }
 
-int chebyshev(Cell a, Cell b) {
-  return std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)});
-}
+// The cell as a number that orders by z, then y, then x.
+std::uint32_t orderOf(Cell c) { return std::uint32_t{c.z} << 16 | std::uint32_t{c.y} << 8 | c.x; }
+
+struct Step {
+  std::int32_t x, y, z;
+  std::int32_t longest() const { return std::max({std::abs(x), std::abs(y), z}); }
+};
 
 }  // namespace
 
 Trace walk(const VoxelGrid& surface, Cell a, Cell b) {
-  if (!comesFirst(a, b)) std::swap(a, b);
-  const int steps = chebyshev(a, b);
-  if (steps < 2) return {};
-  const Lane x = laneOf(a.x, b.x, steps), y = laneOf(a.y, b.y, steps), z = laneOf(a.z, b.z, steps);
-  const auto step = static_cast<std::uint64_t>(pack(z.step, y.step, x.step));
-  auto at = static_cast<std::uint64_t>(pack(z.start, y.start, x.start));
+  const std::uint32_t one = orderOf(a), other = orderOf(b);
+  const std::uint32_t first = std::min(one, other), last = std::max(one, other);
+  const auto x0 = static_cast<std::int32_t>(first & 63), y0 = static_cast<std::int32_t>(first >> 8 & 63),
+             z0 = static_cast<std::int32_t>(first >> 16);
+  const Step d{static_cast<std::int32_t>(last & 63) - x0, static_cast<std::int32_t>(last >> 8 & 63) - y0,
+               static_cast<std::int32_t>(last >> 16) - z0};
+  const std::int32_t steps = d.longest();
+  const Lane x = laneOf(x0, d.x, steps), y = laneOf(y0, d.y, steps), z = laneOf(z0, d.z, steps);
+  const std::uint64_t step = pack(z.step, y.step, x.step);
+  std::uint64_t at = pack(z.start, y.start, x.start);
   const std::uint64_t* rows = surface.rows().data();
+
+  // Eight cells at a time, each a bit of `on`; at most 64 in all, those beyond the line's end are shifted out again.
+  constexpr int kRun = 8;
+  const int inner = std::max(steps, 1) - 1;
   std::uint64_t on = 0;
-  for (int i = 1; i < steps; ++i) {
-    at += step;
-    const std::uint64_t row = (at >> (2 * kLane + kFraction - 6) & 0xfc0) | (at >> (kLane + kFraction) & 63);
-    on += rows[row] >> (at >> kFraction & 63) & 1;
+  int walked = 0;
+  for (; walked < inner; walked += kRun) {
+    for (int i = 0; i < kRun; ++i) {
+      at += step;
+      on = on << 1 | bitAt(rows, at);
+    }
   }
-  return {static_cast<std::uint8_t>(steps - 1), static_cast<std::uint8_t>(on)};
+  on >>= walked - inner;
+  return {static_cast<std::uint8_t>(inner), static_cast<std::uint8_t>(bitsSet(on))};
 }
 
 LineKind kindOf(Trace line) {
