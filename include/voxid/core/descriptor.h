@@ -53,7 +53,7 @@ struct Described {
 };
 
 /// Makes descriptors. All memory (about 1.4 MiB) is taken at construction; `describe` allocates nothing, has no state
-/// that lasts from one call to the next, and does at most `pairs` x 62 grid reads after one pass over the points.
+/// that lasts from one call to the next, and does at most `pairs` x 64 grid reads after three passes over the points.
 /// One object a thread.
 class Describer {
  public:
