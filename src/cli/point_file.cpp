@@ -52,7 +52,7 @@ Status checkPcd(const std::string& path) {
   Eigen::Quaternionf orientation;
   int version = 0, data_type = 0;
   unsigned data_at = 0;
-  if (reader.readHeader(path, header, origin, orientation, version, data_type, data_at) < 0) {
+  if (reader.readHeader(path, header, origin, orientation, version, data_type, data_at) < 0 || header.fields.empty()) {
     return Status::damaged(path + ": damaged PCD, its header cannot be read");
   }
   for (const char* name : {"x", "y", "z"}) {

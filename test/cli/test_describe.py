@@ -106,7 +106,7 @@ def test_damaged_point_files(voxid, tmp_path, cap):
     (tmp_path / "empty.pcd").touch()
     voxid("describe", tmp_path / "empty.pcd").refuses(4, "empty")
     (tmp_path / "text.pcd").write_text("no cloud\n")
-    voxid("describe", tmp_path / "text.pcd").refuses(1, "PCD without field x")
+    voxid("describe", tmp_path / "text.pcd").refuses(4, "damaged PCD")
     whole = write_pcd(tmp_path / "whole.pcd", cap, binary=True).read_bytes()
     for length in [20, 100, len(whole) // 2, len(whole) - 1]:
         (tmp_path / "cut.pcd").write_bytes(whole[:length])
