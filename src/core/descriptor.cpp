@@ -149,7 +149,8 @@ struct Counts {
   std::array<std::uint32_t, kRatioBins + 1> ratio{};  // the last one takes the lines that are not mixed
 };
 
-// Where a line counts, by its inner and set cells: looked up, since three branches that no predictor can learn cost more.
+// Where a line counts, by its inner and set cells: looked up, since three branches that no predictor can learn cost
+// more.
 struct Verdict {
   std::uint8_t kind, ratio_bin;
 };

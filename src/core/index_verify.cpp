@@ -54,9 +54,7 @@ bool ascends(const Index& index, std::uint32_t name, std::string_view previous) 
   return index.string(name) > previous;
 }
 
-bool stringExists(const Index& index, std::uint32_t offset) {
-  return offset == 0 || !index.string(offset).empty();
-}
+bool stringExists(const Index& index, std::uint32_t offset) { return offset == 0 || !index.string(offset).empty(); }
 
 Fault checkCategories(const Index& index) {
   std::string_view previous;
@@ -146,8 +144,8 @@ Fault checkCalibration(const Index& index) {
 }  // namespace
 
 Status Index::verify() const {
-  for (const auto check : {checkSums, checkPadding, checkCategories, checkModels, checkViews, checkBuckets,
-                           checkCalibration}) {
+  for (const auto check :
+       {checkSums, checkPadding, checkCategories, checkModels, checkViews, checkBuckets, checkCalibration}) {
     const Fault fault = check(*this);
     if (!fault.empty()) {
       return Status::damaged("the index " + path_ + " is damaged: " + fault +

@@ -5,8 +5,9 @@
 
 namespace voxid {
 
-/// Draws pairs of different points: SplitMix64, one 64-bit number a pair, its halves mapped to a range by multiplication
-/// (at most one part in 65,536 from uniform, and no division). The state is the whole of the randomness in a descriptor.
+/// Draws pairs of different points: SplitMix64, one 64-bit number a pair, its halves mapped to a range by
+/// multiplication (at most one part in 65,536 from uniform, and no division). The state is the whole of the randomness
+/// in a descriptor.
 class PairSampler {
  public:
   struct Pair {

@@ -10,11 +10,12 @@
 namespace voxid {
 namespace {
 
-// Which way a line goes, how long it is and how it ends are coin tosses to a branch predictor, and a wrong guess costs as
-// much as ten steps: hence arithmetic where one would expect `if`.
+// Which way a line goes, how long it is and how it ends are coin tosses to a branch predictor, and a wrong guess costs
+// as much as ten steps: hence arithmetic where one would expect `if`.
 
 // A position on the line as one word of three 21-bit lanes (z, y, x from the top), each 6 bits of cell and 15 of
-// fraction, so that a step is a single addition. Lanes never go negative on the line, so borrows of negative steps cancel.
+// fraction, so that a step is a single addition. Lanes never go negative on the line, so borrows of negative steps
+// cancel.
 constexpr int kFraction = 15;
 constexpr int kLane = 21;
 
@@ -51,9 +52,10 @@ std::uint64_t pack(std::int64_t z, std::int64_t y, std::int64_t x) {
 // The multiplication copies y's cell next to z's, whose own copy leaves the word.
 std::uint64_t bitAt(const std::uint64_t* rows, std::uint64_t at) {
   constexpr int kRow = 2 * kLane + kFraction - 6;
-  constexpr std::uint64_t kCells = std::uint64_t{63} << (2 * kLane + kFraction) | std::uint64_t{63} << (kLane + kFraction);
+  constexpr std::uint64_t kCell = 63;
+  constexpr std::uint64_t kCells = kCell << (2 * kLane + kFraction) | kCell << (kLane + kFraction);
   const std::uint64_t row = (at & kCells) * ((std::uint64_t{1} << kFraction) + 1) >> kRow;
-  return rows[row] >> (at >> kFraction & 63) & 1;
+  return rows[row] >> (at >> kFraction & kCell) & 1;
 }
 
 // The cell as a number that orders by z, then y, then x.

@@ -20,7 +20,8 @@ namespace {
 
 constexpr std::size_t kMaxDirections = 256;  // an 8-bit number in format::View
 constexpr std::uint64_t kMaxEntries = 0xfffffffe;
-constexpr const char* kTags[] = {"PARM", "CATS", "MODL", "DIRS", "VIEW", "CODE", "KEYS", "BKTO", "BKTV", "STRS", "CALB"};
+constexpr const char* kTags[] = {"PARM", "CATS", "MODL", "DIRS", "VIEW", "CODE",
+                                 "KEYS", "BKTO", "BKTV", "STRS", "CALB"};
 constexpr std::size_t kSections = sizeof kTags / sizeof kTags[0];
 
 using Models = std::vector<const ModelRecord*>;
@@ -357,7 +358,8 @@ ViewRecord viewRecord(const Index& index, std::uint32_t number) {
 ModelRecord modelRecord(const Index& index, const format::Model& model) {
   const format::Category& category = index.categories()[model.category];
   const auto text = [&](std::uint32_t offset) { return std::string(index.string(offset)); };
-  ModelRecord record{text(category.name), text(model.name), text(model.licence), text(model.origin), category.synset, {}};
+  ModelRecord record{text(category.name), text(model.name), text(model.licence),
+                     text(model.origin),  category.synset,  {}};
   record.views.reserve(model.views);
   for (std::uint32_t i = 0; i < model.views; ++i) record.views.push_back(viewRecord(index, model.first_view + i));
   return record;

@@ -30,8 +30,8 @@ class ClassifierTest : public testing::Test {
 };
 
 // The nearest view is of category 2, six of the ten nearest are of category 5.
-const std::vector<Neighbour> kViews{{20, 1000}, {50, 1010}, {51, 1020}, {52, 1030}, {30, 1040},
-                                    {53, 1050}, {54, 1060}, {55, 1070}, {31, 1080}, {70, 1090}, {21, 1100}};
+const std::vector<Neighbour> kViews{{20, 1000}, {50, 1010}, {51, 1020}, {52, 1030}, {30, 1040}, {53, 1050},
+                                    {54, 1060}, {55, 1070}, {31, 1080}, {70, 1090}, {21, 1100}};
 const std::vector<Neighbour> kCategories{{20, 1000}, {50, 1010}, {30, 1040}, {70, 1090}, {80, 1600}, {90, 2000}};
 
 TEST_F(ClassifierTest, OneNnTakesTheNearestAndRanksByDistance) {
@@ -75,8 +75,8 @@ TEST_F(ClassifierTest, ScoreFollowsTheCurveAtTheMargin) {
     return classify({{0, d1}}, {{0, d1}, {10, d2}}, ClassifyMethod::OneNn).score_permille;
   };
   EXPECT_EQ(scoreAt(1000, 1000), 100);
-  EXPECT_EQ(scoreAt(969, 1000), 100);   // 32 x 0.031 = 0.992
-  EXPECT_EQ(scoreAt(968, 1000), 120);   // 32 x 0.032 = 1.024
+  EXPECT_EQ(scoreAt(969, 1000), 100);  // 32 x 0.031 = 0.992
+  EXPECT_EQ(scoreAt(968, 1000), 120);  // 32 x 0.032 = 1.024
   EXPECT_EQ(scoreAt(500, 1000), 420);
   EXPECT_EQ(scoreAt(0, 1000), 720);
   EXPECT_EQ(scoreAt(0, 0), 100);

@@ -263,8 +263,9 @@ TEST(DamagedIndex, ReferencesThatLieAreHarmlessAndFound) {
   expectFound([](Draft& d) { d.header().zero[11] = 1; }, "header's padding");
   expectFound([](Draft& d) { d.section("VIEW").zero[0] = 1; }, "table entry VIEW");
   expectFound([](Draft& d) { d.bytes()[d.section("MODL").offset - 1] = 1; }, "padding before section MODL");
-  expectFound([](Draft& d) { d.bytes()[d.section("CATS").offset - 1] = 0, d.bytes()[d.section("STRS").offset - 1] = 1; },
-              "padding before section STRS");
+  expectFound(
+      [](Draft& d) { d.bytes()[d.section("CATS").offset - 1] = 0, d.bytes()[d.section("STRS").offset - 1] = 1; },
+      "padding before section STRS");
 }
 
 }  // namespace

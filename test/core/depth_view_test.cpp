@@ -46,11 +46,11 @@ TEST(BackProject, FollowsThePinhole) {
 
 TEST(BackProject, RoundsToNearestAndAlikeOnBothSides) {
   const Camera camera = Camera::fromPixels(2, 3, 10, 10);
-  EXPECT_EQ(backProject(camera, 11, 11, 5).x, 3);   // 2.5, half away from zero
-  EXPECT_EQ(backProject(camera, 9, 11, 5).x, -3);   // -2.5
-  EXPECT_EQ(backProject(camera, 11, 11, 4).y, 1);   // 1.33
-  EXPECT_EQ(backProject(camera, 11, 11, 5).y, 2);   // 1.67
-  EXPECT_EQ(backProject(camera, 11, 9, 5).y, -2);   // -1.67
+  EXPECT_EQ(backProject(camera, 11, 11, 5).x, 3);  // 2.5, half away from zero
+  EXPECT_EQ(backProject(camera, 9, 11, 5).x, -3);  // -2.5
+  EXPECT_EQ(backProject(camera, 11, 11, 4).y, 1);  // 1.33
+  EXPECT_EQ(backProject(camera, 11, 11, 5).y, 2);  // 1.67
+  EXPECT_EQ(backProject(camera, 11, 9, 5).y, -2);  // -1.67
 }
 
 TEST(BackProject, SaturatesAtTheLimits) {

@@ -56,8 +56,8 @@ TEST(Descriptor, TwoPointsFillOneBinEach) {
                                  std::to_string(kOff + 75 / 2) + ":255");
 }
 
-// Root mean square distance sqrt(2/3) steps, D = 2.776 steps: one step falls into bin 46, two into bin 92. Two thirds of
-// the pairs are one step apart: 255 sqrt(2/3) = 208.2; one third: 147.2.
+// Root mean square distance sqrt(2/3) steps, D = 2.776 steps: one step falls into bin 46, two into bin 92. Two thirds
+// of the pairs are one step apart: 255 sqrt(2/3) = 208.2; one third: 147.2.
 TEST(Descriptor, ThreeCollinearPoints) {
   const Described d = describe({{0, 0, 1}, {0, 1000, 1}, {0, 2000, 1}}, {1000000, 1});
   EXPECT_EQ(d.bins[kFine + 46], 208);
@@ -104,8 +104,8 @@ TEST(Descriptor, RatioHoldsMixedLinesOnly) {
   int set = 0;
   for (int bin = 0; bin < 64; ++bin) set += ratio(bin) != 0;
   EXPECT_GT(set, 20);
-  for (int bin = 0; bin <= 11; ++bin) EXPECT_EQ(ratio(bin), 0);   // above 1/5: 12.8
-  for (int bin = 52; bin < 64; ++bin) EXPECT_EQ(ratio(bin), 0);   // below 4/5: 51.2
+  for (int bin = 0; bin <= 11; ++bin) EXPECT_EQ(ratio(bin), 0);  // above 1/5: 12.8
+  for (int bin = 52; bin < 64; ++bin) EXPECT_EQ(ratio(bin), 0);  // below 4/5: 51.2
 }
 
 TEST(Descriptor, SameInSameOut) {
@@ -121,7 +121,11 @@ TEST(Descriptor, TranslationChangesNothing) {
   for (const Cloud& cloud : clouds()) {
     const Descriptor there = describe(cloud).bins;
     for (const PointUm t : {PointUm{1, 2, 3}, PointUm{-777777, 31, 1000000000}, PointUm{2000000000, -2000000000, 7}}) {
-      EXPECT_EQ(describe(changed(cloud, [t](PointUm p) { return PointUm{p.x + t.x, p.y + t.y, p.z + t.z}; })).bins,
+      EXPECT_EQ(describe(changed(cloud,
+                                 [t](PointUm p) {
+                                   return PointUm{p.x + t.x, p.y + t.y, p.z + t.z};
+                                 }))
+                    .bins,
                 there);
     }
   }
@@ -131,13 +135,16 @@ TEST(Descriptor, ScaleHardlyChangesAnything) {
   for (const Cloud& cloud : clouds()) {
     const Descriptor once = describe(cloud).bins;
     for (const int factor : {2, 4, 64}) {
-      EXPECT_EQ(describe(changed(cloud, [=](PointUm p) { return PointUm{p.x * factor, p.y * factor, p.z * factor}; })).bins,
+      EXPECT_EQ(describe(changed(cloud,
+                                 [=](PointUm p) {
+                                   return PointUm{p.x * factor, p.y * factor, p.z * factor};
+                                 }))
+                    .bins,
                 once)
           << factor;
     }
     for (const int factor : {3, 7, 100}) {
-      const Cloud larger =
-          changed(cloud, [=](PointUm p) { return PointUm{p.x * factor, p.y * factor, p.z * factor}; });
+      const Cloud larger = changed(cloud, [=](PointUm p) { return PointUm{p.x * factor, p.y * factor, p.z * factor}; });
       EXPECT_LT(distance(describe(larger).bins, once), 60u) << factor;
     }
   }
@@ -188,7 +195,8 @@ TEST(Descriptor, ExtremesGiveTheSameAsTheirSmallTwins) {
   EXPECT_EQ(describe({{kLeast, kLeast, kLeast}, {kMost, kMost, kMost}}).bins, two);
   EXPECT_EQ(describe({{kMost, kMost, kMost}, {kMost - 1, kMost - 1, kMost - 1}}).bins, two);
   Cloud corners;
-  for (int i = 0; i < 8; ++i) corners.push_back({i & 1 ? kMost : kLeast, i & 2 ? kMost : kLeast, i & 4 ? kMost : kLeast});
+  for (int i = 0; i < 8; ++i)
+    corners.push_back({i & 1 ? kMost : kLeast, i & 2 ? kMost : kLeast, i & 4 ? kMost : kLeast});
   Cloud small;
   for (int i = 0; i < 8; ++i) small.push_back({i & 1, i >> 1 & 1, i >> 2 & 1});
   EXPECT_EQ(describe(corners).bins, describe(small).bins);

@@ -79,8 +79,8 @@ inline IndexContent randomContent(int categories, int models, int views, std::ui
     model.licence = "CC0";
     model.synset = static_cast<std::uint32_t>(1000 + shuffled / models);
     for (int k = 0; k < views; ++k) {
-      model.views.push_back({static_cast<std::uint8_t>(k), static_cast<std::uint32_t>(500 + k), {1, 2, 3},
-                             randomCode(random)});
+      model.views.push_back(
+          {static_cast<std::uint8_t>(k), static_cast<std::uint32_t>(500 + k), {1, 2, 3}, randomCode(random)});
     }
     content.models.push_back(std::move(model));
   }

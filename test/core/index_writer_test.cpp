@@ -42,7 +42,8 @@ IndexContent goldenContent() {
   }
   content.calibration.samples = 321;
   const auto view = [](int direction, int peak) {
-    ViewRecord record{static_cast<std::uint8_t>(direction), static_cast<std::uint32_t>(1000 + peak), {9, 99, 65535}, {}};
+    ViewRecord record{
+        static_cast<std::uint8_t>(direction), static_cast<std::uint32_t>(1000 + peak), {9, 99, 65535}, {}};
     for (int i = 0; i < kDescriptorBytes; ++i) record.code.push_back(static_cast<std::uint8_t>((i * peak) % 251));
     return record;
   };
@@ -52,7 +53,8 @@ IndexContent goldenContent() {
   return content;
 }
 
-// Format 1 is kept for ever: the writer makes these bytes, every reader reads them. VOXID_WRITE_GOLDEN=1 writes the file.
+// Format 1 is kept for ever: the writer makes these bytes, every reader reads them. VOXID_WRITE_GOLDEN=1 writes the
+// file.
 TEST(WriteIndex, GoldenFileOfVersion1) {
   const std::string path = "test/data/golden/v1.vxi";
   if (std::getenv("VOXID_WRITE_GOLDEN") != nullptr) {

@@ -12,8 +12,8 @@ Key bit(int i) { return Key{1} << i; }
 
 TEST(KeyOf, SetsTheBitOfEachSubHistogramsPeak) {
   Descriptor d{};
-  d[7] = 1;      // D2 coarse, bins 0 to 7
-  d[32] = 9;     // D2 fine
+  d[7] = 1;   // D2 coarse, bins 0 to 7
+  d[32] = 9;  // D2 fine
   d[160 + 63] = 200;
   d[224 + 8] = 3;
   d[288 + 16] = 4;

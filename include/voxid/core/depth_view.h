@@ -41,7 +41,8 @@ struct DepthView {
   DepthUnit unit = DepthUnit::MillimetreU16;
   Camera camera;
 
-  /// Depth along the optical axis at (u, v), micrometres; 0 = none (also beyond 65.535 m). u, v must be inside the image.
+  /// Depth along the optical axis at (u, v), micrometres; 0 = none (also beyond 65.535 m). u, v must be inside the
+  /// image.
   std::int32_t depthUm(int u, int v) const;
   bool empty() const { return data == nullptr || width_px <= 0 || height_px <= 0; }
 };

@@ -67,8 +67,8 @@ class Describer {
   /// Above 65,536 points every n-th is taken, evenly.
   Described describe(Span<const PointUm> points);
 
-  /// The same for the pixels (row * width + column) of a depth image; pixels without depth or outside the image are left
-  /// out. Empty without a valid camera.
+  /// The same for the pixels (row * width + column) of a depth image; pixels without depth or outside the image are
+  /// left out. Empty without a valid camera.
   Described describe(const DepthView& depth, Span<const std::uint32_t> pixels);
 
   const DescriptorParams& params() const;

@@ -15,8 +15,8 @@
 namespace voxid {
 
 /// A .vxi file, mapped read-only and shared between processes through the page cache. Opening checks the header, the
-/// section table and every size, count and range that a later read relies on, and reads nothing else; a file replaced by
-/// rename keeps being read in its old form. Thread-safe: everything is const.
+/// section table and every size, count and range that a later read relies on, and reads nothing else; a file replaced
+/// by rename keeps being read in its old form. Thread-safe: everything is const.
 class Index {
  public:
   /// Refuses with one sentence: CannotDo for a missing or unreadable file, another major version, foreign descriptor
@@ -46,7 +46,8 @@ class Index {
   const std::uint8_t* code(std::uint32_t view) const { return codes_ + std::size_t{view} * parameters_->code_bytes; }
 
   Span<const Key> keys() const { return keys_; }
-  /// The views in bucket `i` (of keys()[i]). A range outside the section (possible only in a damaged file) comes back empty.
+  /// The views in bucket `i` (of keys()[i]). A range outside the section (possible only in a damaged file) comes back
+  /// empty.
   Span<const std::uint32_t> bucket(std::uint32_t i) const;
 
   /// A string of STRS; always terminated inside the section. An offset outside comes back empty.

@@ -8,8 +8,8 @@
 namespace voxid::format {
 
 constexpr char kMagic[8] = {'V', 'O', 'X', 'I', 'D', 'X', '\r', '\n'};  ///< a copy in text mode breaks it
-constexpr std::uint16_t kMajor = 1;  ///< a reader refuses any other
-constexpr std::uint16_t kMinor = 0;  ///< higher minors only add sections
+constexpr std::uint16_t kMajor = 1;                                     ///< a reader refuses any other
+constexpr std::uint16_t kMinor = 0;                                     ///< higher minors only add sections
 constexpr std::uint64_t kAlignment = 64;
 constexpr std::uint32_t kMaxSections = 64;
 
@@ -70,10 +70,10 @@ static_assert(sizeof(Direction) == 16, "DIRS entry is 16 bytes");
 /// VIEW, sorted by model, then direction.
 struct View {
   std::uint32_t model;
-  std::uint16_t extents[3];  ///< of the visible points along the camera's x, y, z, as 1/65,535 of the model's box diagonal
+  std::uint16_t extents[3];  ///< of the visible points along the camera's x, y, z, in 1/65,535 of the model's diagonal
   std::uint8_t direction;    ///< index into DIRS
   std::uint8_t zero;
-  std::uint32_t points;      ///< visible pixels
+  std::uint32_t points;  ///< visible pixels
 };
 static_assert(sizeof(View) == 16, "VIEW entry is 16 bytes");
 
@@ -84,9 +84,9 @@ static_assert(sizeof(View) == 16, "VIEW entry is 16 bytes");
 /// CALB, once: the share of right labels by margin, measured with the query's own model left out.
 struct Calibration {
   static constexpr int kBins = 32;
-  std::uint32_t samples;                 ///< queries behind the curve; 0 = the built-in curve was copied
-  std::uint16_t score_permille[kBins];   ///< non-decreasing; bin = min(31, 32 x (d2 - d1) / d2), d1 the nearest category's
-                                         ///< distance, d2 the next category's
+  std::uint32_t samples;                ///< queries behind the curve; 0 = the built-in curve was copied
+  std::uint16_t score_permille[kBins];  ///< non-decreasing; bin = min(31, 32 x (d2 - d1) / d2), d1 the nearest
+                                        ///< category's distance, d2 the next category's
   std::uint8_t zero[60];
 };
 static_assert(sizeof(Calibration) == 128, "CALB is 128 bytes");

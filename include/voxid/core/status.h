@@ -34,8 +34,8 @@ struct [[nodiscard]] Result {
   Status status;
   T value{};
 
-  Result(T v) : value(std::move(v)) {}              // NOLINT: a value is a result
-  Result(Status s) : status(std::move(s)) {}        // NOLINT: so is a refusal
+  Result(T v) : value(std::move(v)) {}        // NOLINT: a value is a result
+  Result(Status s) : status(std::move(s)) {}  // NOLINT: so is a refusal
   bool ok() const { return status.ok(); }
 };
 

@@ -15,10 +15,10 @@ namespace voxid {
 
 /// One view of a model, as it goes into the index.
 struct ViewRecord {
-  std::uint8_t direction = 0;                 ///< index into IndexContent::directions
-  std::uint32_t points = 0;                   ///< visible pixels
-  std::array<std::uint16_t, 3> extents{};     ///< as in format::View
-  std::vector<std::uint8_t> code;             ///< code_bytes
+  std::uint8_t direction = 0;              ///< index into IndexContent::directions
+  std::uint32_t points = 0;                ///< visible pixels
+  std::array<std::uint16_t, 3> extents{};  ///< as in format::View
+  std::vector<std::uint8_t> code;          ///< code_bytes
 };
 
 /// One model with its views.
@@ -36,15 +36,15 @@ struct IndexContent {
   format::Calibration calibration{};
 };
 
-/// The curve that is used where a library is too small to learn its own (fewer than 200 calibration queries); measured on
-/// models/train (doc/descriptor.md).
+/// The curve that is used where a library is too small to learn its own (fewer than 200 calibration queries); measured
+/// on models/train (doc/descriptor.md).
 format::Calibration builtInCalibration();
 
-/// Writes a .vxi file beside `path`, fsyncs and renames: readers see the old file or the new one, whole. The bytes depend
-/// on the content only. Refuses (CannotDo) what a reader could not rely on: no model at all, a model without a view, two
-/// models of one category with the same name, two synsets for one category, an empty category or model name, views that
-/// do not ascend or name no direction, a code of another length, a calibration that falls, parameters out of range.
-/// Nothing is left beside `path` if it fails.
+/// Writes a .vxi file beside `path`, fsyncs and renames: readers see the old file or the new one, whole. The bytes
+/// depend on the content only. Refuses (CannotDo) what a reader could not rely on: no model at all, a model without a
+/// view, two models of one category with the same name, two synsets for one category, an empty category or model name,
+/// views that do not ascend or name no direction, a code of another length, a calibration that falls, parameters out of
+/// range. Nothing is left beside `path` if it fails.
 Status writeIndex(const IndexContent& content, const std::string& path);
 
 /// The content of an index, such that writing it gives the same bytes again. The index should have passed `verify`;
