@@ -3,9 +3,11 @@
 
 #include <dirent.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdlib>
 
 #include "core/index_fixture.h"
@@ -131,16 +133,32 @@ TEST(WriteIndex, RefusesWhatAReaderCouldNotRelyOn) {
   expectRefused(spoilt([](IndexContent& c) { c.directions.resize(257); }), "256 directions");
 }
 
-TEST(WriteIndex, SaysWhyItCannotWriteAndLeavesNothing) {
+TEST(WriteIndex, SaysWhyItCannotWrite) {
   Folder folder;
   const IndexContent content = test::randomContent(1, 1, 1, 6);
   const Status no_folder = writeIndex(content, folder.path() + "/none/x.vxi");
   EXPECT_EQ(no_folder.kind, Status::Kind::CannotDo);
   EXPECT_NE(no_folder.sentence.find("No such file or directory"), std::string::npos) << no_folder.sentence;
-  const Status is_folder = writeIndex(content, folder.path());
-  EXPECT_EQ(is_folder.kind, Status::Kind::CannotDo);
-  const std::size_t slash = folder.path().rfind('/');
-  EXPECT_EQ(::access((folder.path() + ".new-" + std::to_string(::getpid()) + "-0").c_str(), F_OK), -1) << slash;
+  EXPECT_EQ(writeIndex(content, folder.path()).kind, Status::Kind::CannotDo) << "a folder cannot be replaced";
+}
+
+// A limit on the file's size stands for a full disk: writing fails in the middle.
+TEST(WriteIndex, AFullDiskLeavesTheOldFileAndNothingElse) {
+  Folder folder;
+  const std::string path = folder.file("x.vxi");
+  ASSERT_TRUE(writeIndex(test::randomContent(1, 1, 1, 6), path).ok());
+  const std::string old = readBytes(path);
+  struct rlimit before {};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const struct rlimit small { 10000, before.rlim_max };
+  std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  const Status full = writeIndex(test::randomContent(10, 5, 5, 7), path);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  EXPECT_EQ(full.kind, Status::Kind::CannotDo);
+  EXPECT_NE(full.sentence.find("File too large"), std::string::npos) << full.sentence;
+  EXPECT_TRUE(readBytes(path) == old);
+  EXPECT_EQ(entriesIn(folder.path()), 1);
 }
 
 TEST(BuiltInCalibration, Rises) {
