@@ -4,6 +4,4 @@ target_include_directories(capture_nodelet_test PRIVATE ${PROJECT_SOURCE_DIR}/te
 target_compile_definitions(capture_nodelet_test PRIVATE
   VOXID_NODES="${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION}")
 add_dependencies(capture_nodelet_test voxid_replay_driver voxid_node_capture)
-voxid_rostest(capture_nodelet.test)
-set_tests_properties(ros.capture_nodelet PROPERTIES ENVIRONMENT
-  "ROS_IP=127.0.0.1;ROS_HOME=${PROJECT_BINARY_DIR}/roshome;LD_LIBRARY_PATH=${PROJECT_BINARY_DIR}/openni2:$ENV{LD_LIBRARY_PATH}")
+voxid_rostest(capture_nodelet.test openni2:=${PROJECT_BINARY_DIR}/openni2)
