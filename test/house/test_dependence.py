@@ -16,7 +16,7 @@ MAY_KNOW = {
 OUTSIDE = {
     "core": r"$.",  # nothing
     "geometry": r"Eigen/",
-    "library": r"Eigen/|assimp/|embree3/",
+    "library": r"Eigen/|assimp/|embree3/|nlohmann/",
     "capture": r"OpenNI\.h|Driver/|openni2/",
     "pcl": r"pcl/|Eigen/",
 }
@@ -84,7 +84,7 @@ KEYWORDS = {"PUBLIC", "PRIVATE", "INTERFACE"}
 OUTSIDE_TARGETS = {
     "voxid_core": r"$.",
     "voxid_geometry": r"Eigen3::Eigen$",
-    "voxid_library": r"(embree|assimp::assimp|Threads::Threads)$",
+    "voxid_library": r"(embree|assimp::assimp|nlohmann_json::nlohmann_json|Threads::Threads)$",
     "voxid_capture": r"(PkgConfig::OPENNI2|Threads::Threads|\$\{CMAKE_DL_LIBS\})$",
 }
 
