@@ -16,4 +16,13 @@ struct ClassifyParams {
   int min_score_permille = 0;
 };
 
+/// visit(name, value, least, most) for each parameter: for programs that set them by name.
+template <typename Visit>
+void visitParams(ClassifyParams& params, Visit visit) {
+  visit("exact", params.exact, false, true);
+  visit("radius_bits", params.radius_bits, 0, 52);
+  visit("vote", params.vote, false, true);
+  visit("min_score_permille", params.min_score_permille, 0, 1000);
+}
+
 }  // namespace voxid

@@ -36,4 +36,23 @@ struct SegmentParams {
   int max_clusters = 64;
 };
 
+/// visit(name, value, least, most) for each parameter: for programs that set them by name.
+template <typename Visit>
+void visitParams(SegmentParams& params, Visit visit) {
+  visit("min_depth_mm", params.min_depth_mm, 100, 5000);
+  visit("max_depth_mm", params.max_depth_mm, 300, 10000);
+  visit("plane_draws", params.plane_draws, 10, 5000);
+  visit("plane_inlier_per_km", params.plane_inlier_per_km, 1, 100);
+  visit("max_tilt_deg", params.max_tilt_deg, 10, 180);
+  visit("min_table_pixels", params.min_table_pixels, 100, 200000);
+  visit("min_height_mm", params.min_height_mm, 2, 100);
+  visit("max_height_mm", params.max_height_mm, 20, 2000);
+  visit("min_margin_per_km", params.min_margin_per_km, 0, 100);
+  visit("cluster_gap_mm", params.cluster_gap_mm, 2, 100);
+  visit("bridge_px", params.bridge_px, 1, 32);
+  visit("outline_margin_mm", params.outline_margin_mm, 0, 500);
+  visit("min_cluster_pixels", params.min_cluster_pixels, 20, 20000);
+  visit("max_clusters", params.max_clusters, 1, 255);
+}
+
 }  // namespace voxid

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "voxid/core/depth_view.h"
+#include "voxid/core/span.h"
 #include "voxid/library/mesh.h"
 
 namespace voxid {
@@ -55,10 +56,11 @@ class RayScene {
   /// After the last add(), before the first ray.
   void commit();
 
-  /// The first surface that the ray through image point (u, v), in pixels, meets. `pose` takes scene to camera, millimetres.
-  Hit cast(const Camera& camera, const Placement& pose, float u, float v) const;
-  /// Whether a surface lies between two points of the camera's frame, millimetres.
-  bool blocked(const Placement& pose, const Eigen::Vector3f& from_mm, const Eigen::Vector3f& to_mm) const;
+  /// The first surface that the ray through each image point (pixels) meets. `pose` takes scene to camera, millimetres.
+  /// Neighbouring points go in one call, and fast.
+  void cast(const Camera& camera, const Placement& pose, Span<const Eigen::Vector2f> points_px, Span<Hit> hits) const;
+  /// Whether a surface lies between each point and a common one, all in the camera's frame, millimetres.
+  void findBlocked(const Placement& pose, Span<const Eigen::Vector3f> from_mm, const Eigen::Vector3f& to_mm, Span<std::uint8_t> blocked) const;
   /// Pixels that the scene can fall on; the whole image if a part of the scene lies behind the camera.
   PixelBox projectedBox(const Imager& imager, const Placement& pose) const;
 
