@@ -21,7 +21,9 @@ using nlohmann::json;
 /// Pixels that cluster (by index) and object (by id) share; object 0 is the table and unlabelled pixels.
 using Overlap = std::map<std::pair<std::size_t, int>, std::int64_t>;
 
-int objectAt(const cv::Mat& labels, std::uint32_t pixel) { return labels.at<std::uint16_t>(static_cast<int>(pixel) / labels.cols, static_cast<int>(pixel) % labels.cols) / 10; }
+int objectAt(const cv::Mat& labels, std::uint32_t pixel) {
+  return labels.at<std::uint16_t>(static_cast<int>(pixel) / labels.cols, static_cast<int>(pixel) % labels.cols) / 10;
+}
 
 Overlap overlapOf(const Scene& scene, const cv::Mat& labels) {
   Overlap overlap;
@@ -72,7 +74,8 @@ bool isRight(const ObjectResult& r, std::int64_t points) {
   return r.held > 0 && r.held * 10 >= points * 9 && r.held * 20 >= r.cluster_points * 19;
 }
 
-void count(const json& object, const std::string& name, const ObjectResult& r, std::int64_t points, SegmentationScore& score) {
+void count(const json& object, const std::string& name, const ObjectResult& r, std::int64_t points,
+           SegmentationScore& score) {
   const bool right = isRight(r, points);
   score.objects += 1;
   score.right += right;
@@ -140,14 +143,17 @@ double rounded(double x) { return std::round(x * 1e4) / 1e4; }
 
 Result<json> readTruth(const std::filesystem::path& path) {
   std::ifstream file(path);
-  if (!file) return Status::cannotDo(path.string() + ": cannot be read; --evaluate expects a folder with objects.json, NAME_depth.png and NAME_labels.png");
+  if (!file)
+    return Status::cannotDo(
+        path.string() +
+        ": cannot be read; --evaluate expects a folder with objects.json, NAME_depth.png and NAME_labels.png");
   json truth = json::parse(file, nullptr, false);
   if (!truth.is_object()) return Status::damaged(path.string() + ": is not a JSON object of scenes");
   return truth;
 }
 
-Status addFile(const std::filesystem::path& folder, const std::string& name, const json& truth, const SegmentParams& params,
-               Segmenter& segmenter, SegmentationScore& score) {
+Status addFile(const std::filesystem::path& folder, const std::string& name, const json& truth,
+               const SegmentParams& params, Segmenter& segmenter, SegmentationScore& score) {
   const Result<DepthFile> depth = readDepthFile((folder / (name + "_depth.png")).string(), CameraChoice{});
   if (!depth.ok()) return depth.status;
   const std::string labels_path = (folder / (name + "_labels.png")).string();
@@ -170,8 +176,8 @@ double SegmentationScore::fUs() const {
   return object_points == 0 ? 0 : static_cast<double>(foreign_points) / static_cast<double>(object_points);
 }
 
-void addScene(const std::string& name, const Scene& scene, const cv::Mat& labels, const DepthView& depth, const json& truth,
-              SegmentationScore& score) {
+void addScene(const std::string& name, const Scene& scene, const cv::Mat& labels, const DepthView& depth,
+              const json& truth, SegmentationScore& score) {
   score.scenes += 1;
   const bool table = scene.status == SceneStatus::Ok || scene.status == SceneStatus::EmptyTable;
   score.tables += table;
@@ -240,9 +246,9 @@ std::string toTable(const SegmentationScore& s) {
                 "merged with others           %d\n"
                 "F_os, F_us                   %.3f, %.3f\n"
                 "clusters of bare table       %d\n",
-                s.tables, s.scenes, medianOf(s.plane_error_mm), largestOf(s.plane_error_mm), medianOf(s.plane_error_deg),
-                largestOf(s.plane_error_deg), s.right, s.objects, s.alone_right, s.alone, s.whole_right, s.whole,
-                s.dense_right, s.dense, s.over, s.under, s.fOs(), s.fUs(), s.table_clusters);
+                s.tables, s.scenes, medianOf(s.plane_error_mm), largestOf(s.plane_error_mm),
+                medianOf(s.plane_error_deg), largestOf(s.plane_error_deg), s.right, s.objects, s.alone_right, s.alone,
+                s.whole_right, s.whole, s.dense_right, s.dense, s.over, s.under, s.fOs(), s.fUs(), s.table_clusters);
   std::string table = text;
   for (const std::string& object : s.wrong) table += "alone and wrong: " + object + "\n";
   return table;

@@ -13,19 +13,20 @@
 
 namespace voxid::cli {
 
-/// An object is right if one cluster holds at least 90 % of its labelled points and at least 95 % of that cluster is the object.
+/// An object is right if one cluster holds at least 90 % of its labelled points and at least 95 % of that cluster is
+/// the object.
 struct SegmentationScore {
   int scenes = 0, tables = 0;
-  int objects = 0, right = 0;       ///< all that the truth does not exclude
-  int alone = 0, alone_right = 0;   ///< no other object within 2 cm, not cut by the image's border
-  int whole = 0, whole_right = 0;   ///< of those, the ones that no nearer object cuts in two
-  int dense = 0, dense_right = 0;   ///< another object within 2 cm, not cut by the border
-  int over = 0;                     ///< objects of which two or more clusters hold at least 10 % each
-  int under = 0;                    ///< objects whose best cluster is other objects by more than 5 %
-  int table_clusters = 0;           ///< clusters that are mostly bare table
+  int objects = 0, right = 0;      ///< all that the truth does not exclude
+  int alone = 0, alone_right = 0;  ///< no other object within 2 cm, not cut by the image's border
+  int whole = 0, whole_right = 0;  ///< of those, the ones that no nearer object cuts in two
+  int dense = 0, dense_right = 0;  ///< another object within 2 cm, not cut by the border
+  int over = 0;                    ///< objects of which two or more clusters hold at least 10 % each
+  int under = 0;                   ///< objects whose best cluster is other objects by more than 5 %
+  int table_clusters = 0;          ///< clusters that are mostly bare table
   std::int64_t object_points = 0, missed_points = 0, foreign_points = 0;
   std::vector<double> plane_error_mm, plane_error_deg;  ///< against least squares through the labelled table points
-  std::vector<std::string> wrong;   ///< "scene id" of objects that stand alone and are not right
+  std::vector<std::string> wrong;                       ///< "scene id" of objects that stand alone and are not right
 
   double fOs() const;  ///< share of the objects' points outside their best clusters
   double fUs() const;  ///< foreign objects' points in best clusters, over all objects' points; may exceed 1

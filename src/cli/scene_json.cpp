@@ -22,8 +22,14 @@ Json jsonOf(const Eigen::Vector3f& p) { return Json::array({rounded(p.x()), roun
 bool hasTable(const Scene& scene) { return scene.table.distance_m > 0; }
 
 cv::Scalar colourOf(int id) {
-  constexpr std::array<std::array<int, 3>, 8> kBgr = {{{60, 60, 230}, {70, 190, 70}, {230, 120, 40}, {40, 200, 230},
-                                                       {210, 70, 190}, {220, 200, 50}, {50, 130, 250}, {180, 110, 110}}};
+  constexpr std::array<std::array<int, 3>, 8> kBgr = {{{60, 60, 230},
+                                                       {70, 190, 70},
+                                                       {230, 120, 40},
+                                                       {40, 200, 230},
+                                                       {210, 70, 190},
+                                                       {220, 200, 50},
+                                                       {50, 130, 250},
+                                                       {180, 110, 110}}};
   const auto& c = kBgr[static_cast<std::size_t>(std::max(id, 1) - 1) % kBgr.size()];
   return {static_cast<double>(c[0]), static_cast<double>(c[1]), static_cast<double>(c[2])};
 }
@@ -76,7 +82,8 @@ void tint(const Cluster& cluster, cv::Mat& picture) {
 void drawBox(const Camera& camera, const Cluster& cluster, cv::Mat& picture) {
   std::array<cv::Point, 8> corners;
   for (int i = 0; i < 8; ++i) {
-    const Eigen::Vector3f half((i & 1 ? 0.5f : -0.5f) * cluster.extents_m.x(), (i & 2 ? 0.5f : -0.5f) * cluster.extents_m.y(),
+    const Eigen::Vector3f half((i & 1 ? 0.5f : -0.5f) * cluster.extents_m.x(),
+                               (i & 2 ? 0.5f : -0.5f) * cluster.extents_m.y(),
                                (i & 4 ? 0.5f : -0.5f) * cluster.extents_m.z());
     corners[static_cast<std::size_t>(i)] = pixelOf(camera, cluster.box_centre_m + cluster.axes * half);
   }
@@ -103,7 +110,8 @@ void writeCaption(const Cluster& cluster, const std::string& caption, cv::Mat& p
 
 Json toJson(const Table& table) {
   Json j;
-  j["normal"] = Json::array({roundedUnit(table.normal.x()), roundedUnit(table.normal.y()), roundedUnit(table.normal.z())});
+  j["normal"] =
+      Json::array({roundedUnit(table.normal.x()), roundedUnit(table.normal.y()), roundedUnit(table.normal.z())});
   j["distance_m"] = rounded(table.distance_m);
   j["outline"] = Json::array();
   for (const Eigen::Vector3f& p : table.outline_m) j["outline"].push_back(jsonOf(p));
@@ -171,7 +179,8 @@ cv::Mat drawScene(const DepthView& depth, const Scene& scene, const std::vector<
 std::string plotPath(const std::string& path, const std::string& input, bool single) {
   if (single) return path;
   const fs::path p(path);
-  return (p.parent_path() / (p.stem().string() + "-" + fs::path(input).stem().string() + p.extension().string())).string();
+  return (p.parent_path() / (p.stem().string() + "-" + fs::path(input).stem().string() + p.extension().string()))
+      .string();
 }
 
 Status writeImage(const std::string& path, const cv::Mat& image) {
@@ -179,26 +188,36 @@ Status writeImage(const std::string& path, const cv::Mat& image) {
     if (cv::imwrite(path, image)) return {};
   } catch (const cv::Exception&) {  // an ending that OpenCV does not know
   }
-  return Status::cannotDo(path + ": the image cannot be written; expected an existing folder and an ending such as .png");
+  return Status::cannotDo(path +
+                          ": the image cannot be written; expected an existing folder and an ending such as .png");
 }
 
 const char* sentenceOf(SceneStatus status) {
   switch (status) {
-    case SceneStatus::Ok: return "objects were found";
-    case SceneStatus::NoDepth: return "no pixel inside the depth range; see --set min_depth_mm and max_depth_mm";
-    case SceneStatus::NoTable: return "no plane with enough pixels that could be a table; see --set min_table_pixels and max_tilt_deg";
-    case SceneStatus::EmptyTable: return "nothing stands on the table";
-    case SceneStatus::NoTransform: return "no transform to the target frame";
-    case SceneStatus::NoIndex: return "no index to compare with";
-    case SceneStatus::BadInput: return "the image and its camera do not go together, or the image is larger than 8192 pixels a side";
+    case SceneStatus::Ok:
+      return "objects were found";
+    case SceneStatus::NoDepth:
+      return "no pixel inside the depth range; see --set min_depth_mm and max_depth_mm";
+    case SceneStatus::NoTable:
+      return "no plane with enough pixels that could be a table; see --set min_table_pixels and max_tilt_deg";
+    case SceneStatus::EmptyTable:
+      return "nothing stands on the table";
+    case SceneStatus::NoTransform:
+      return "no transform to the target frame";
+    case SceneStatus::NoIndex:
+      return "no index to compare with";
+    case SceneStatus::BadInput:
+      return "the image and its camera do not go together, or the image is larger than 8192 pixels a side";
   }
   return "unknown";
 }
 
 Status statusOf(const std::vector<SceneStatus>& frames, const std::string& first_file) {
-  const bool found = frames.empty() || std::any_of(frames.begin(), frames.end(), [](SceneStatus s) { return s == SceneStatus::Ok; });
+  const bool found =
+      frames.empty() || std::any_of(frames.begin(), frames.end(), [](SceneStatus s) { return s == SceneStatus::Ok; });
   if (found) return {};
-  const std::string where = frames.size() == 1 ? first_file : "all " + std::to_string(frames.size()) + " frames, first " + first_file;
+  const std::string where =
+      frames.size() == 1 ? first_file : "all " + std::to_string(frames.size()) + " frames, first " + first_file;
   const std::string sentence = where + ": " + sentenceOf(frames.front()) + " (" + nameOf(frames.front()) + ")";
   return frames.front() == SceneStatus::BadInput ? Status::cannotDo(sentence) : Status::nothingFound(sentence);
 }

@@ -27,11 +27,12 @@ Json toJson(const std::string& file, const Scene& scene);
 /// CV_16UC1: the object's id at each of its pixels, 0 elsewhere.
 cv::Mat labelImage(const Scene& scene, int width_px, int height_px);
 
-/// Writes the label image to FOLDER/STEM.png, STEM being the input's name without its ending; makes the folder if need be.
+/// Writes the label image to FOLDER/STEM.png, STEM being the input's name without its ending; makes the folder if need
+/// be.
 Status writeLabels(const std::string& folder, const std::string& input, const cv::Mat& labels);
 
-/// CV_8UC3: depth in grey (near is bright), the table's outline, each object's pixels and boxes in a colour of its own and
-/// its caption above. `captions` by cluster; missing ones are the id.
+/// CV_8UC3: depth in grey (near is bright), the table's outline, each object's pixels and boxes in a colour of its own
+/// and its caption above. `captions` by cluster; missing ones are the id.
 cv::Mat drawScene(const DepthView& depth, const Scene& scene, const std::vector<std::string>& captions = {});
 
 /// PATH for a single frame; with several, PATH with "-STEM" before its ending.
@@ -40,7 +41,8 @@ std::string plotPath(const std::string& path, const std::string& input, bool sin
 /// CannotDo if the picture cannot be written (folder missing, unknown ending).
 Status writeImage(const std::string& path, const cv::Mat& image);
 
-/// Status of a run over frames: if none has an object NothingFound (CannotDo for BAD_INPUT) with the first frame's reason.
+/// Status of a run over frames: if none has an object NothingFound (CannotDo for BAD_INPUT) with the first frame's
+/// reason.
 Status statusOf(const std::vector<SceneStatus>& frames, const std::string& first_file);
 
 /// One sentence for people: "nothing stands on the table".

@@ -34,10 +34,12 @@ Status apply(const std::string& setting, SegmentParams& params) {
     if (name != param) return;
     known = true;
     int number = 0;
-    if (equals != std::string::npos && CLI::detail::lexical_cast(setting.substr(equals + 1), number) && number >= least && number <= most) {
+    if (equals != std::string::npos && CLI::detail::lexical_cast(setting.substr(equals + 1), number) &&
+        number >= least && number <= most) {
       value = number;
     } else {
-      status = Status::badUse("--set " + setting + ": expected " + name + "=N with N from " + std::to_string(least) + " to " + std::to_string(most));
+      status = Status::badUse("--set " + setting + ": expected " + name + "=N with N from " + std::to_string(least) +
+                              " to " + std::to_string(most));
     }
   });
   if (!known) return Status::badUse("--set " + setting + ": no such parameter; there are " + names);
@@ -56,14 +58,16 @@ Result<SegmentParams> paramsOf(const Options& options) {
 void printForPeople(const std::string& file, const Scene& scene) {
   std::printf("%s: %s, %s\n", file.c_str(), nameOf(scene.status), sentenceOf(scene.status));
   if (scene.table.distance_m > 0) {
-    std::printf("  table   %.3f m below the camera, %u pixels, residual %.2f mm\n", static_cast<double>(scene.table.distance_m),
-                scene.table.inliers, static_cast<double>(scene.table.residual_mm));
+    std::printf("  table   %.3f m below the camera, %u pixels, residual %.2f mm\n",
+                static_cast<double>(scene.table.distance_m), scene.table.inliers,
+                static_cast<double>(scene.table.residual_mm));
   }
   for (const Cluster& c : scene.clusters) {
     std::printf("  object %-3d %6zu pixels at %.3f %.3f %.3f m, %.0f x %.0f x %.0f mm%s\n", c.id, c.pixels.size,
-                static_cast<double>(c.centroid_m.x()), static_cast<double>(c.centroid_m.y()), static_cast<double>(c.centroid_m.z()),
-                static_cast<double>(c.extents_m.x()) * 1e3, static_cast<double>(c.extents_m.y()) * 1e3,
-                static_cast<double>(c.extents_m.z()) * 1e3, c.truncated ? ", truncated" : "");
+                static_cast<double>(c.centroid_m.x()), static_cast<double>(c.centroid_m.y()),
+                static_cast<double>(c.centroid_m.z()), static_cast<double>(c.extents_m.x()) * 1e3,
+                static_cast<double>(c.extents_m.y()) * 1e3, static_cast<double>(c.extents_m.z()) * 1e3,
+                c.truncated ? ", truncated" : "");
   }
 }
 
@@ -87,7 +91,8 @@ Status writePictures(const Options& options, const DepthFile& file, const Scene&
   return writeImage(plotPath(options.plot, file.path, options.files.size() == 1), drawScene(file.view(), scene));
 }
 
-Result<SceneStatus> segmentFile(const Options& options, const std::string& path, const SegmentParams& params, Segmenter& segmenter) {
+Result<SceneStatus> segmentFile(const Options& options, const std::string& path, const SegmentParams& params,
+                                Segmenter& segmenter) {
   const Result<DepthFile> file = readDepthFile(path, options.camera);
   if (!file.ok()) return file.status;
   const auto start = std::chrono::steady_clock::now();
@@ -122,7 +127,8 @@ Status run(const Options& options) {
   const Result<SegmentParams> params = paramsOf(options);
   if (!params.ok()) return params.status;
   if (!options.evaluate.empty()) return evaluate(options, params.value);
-  if (options.files.empty()) return Status::badUse("segment: no depth image given; expected FILES or --evaluate DIR, see --help");
+  if (options.files.empty())
+    return Status::badUse("segment: no depth image given; expected FILES or --evaluate DIR, see --help");
   return segmentFiles(options, params.value);
 }
 
@@ -132,12 +138,19 @@ Run addSegment(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   app.add_option("files", options->files, "Depth images")->type_name("FILES");
   options->camera.addTo(app);
-  app.add_option("--set", options->settings, "A parameter, name=value (doc/parameters.md); may be repeated")->type_name("NAME=VALUE")->allow_extra_args(false);
+  app.add_option("--set", options->settings, "A parameter, name=value (doc/parameters.md); may be repeated")
+      ->type_name("NAME=VALUE")
+      ->allow_extra_args(false);
   app.add_flag("--json", options->json, "One object a frame and line");
   app.add_flag("--timing", options->timing, "Add segment_ms");
-  app.add_option("--labels", options->labels, "Write each frame's objects to DIR/STEM.png: 16 bit, object id a pixel, 0 none")->type_name("DIR");
-  app.add_option("--plot", options->plot, "Draw table and objects; with several frames to PATH-STEM.png")->type_name("PATH.png");
-  app.add_option("--evaluate", options->evaluate, "Compare with the labels of DIR (objects.json, NAME_depth.png, NAME_labels.png)")->type_name("DIR");
+  app.add_option("--labels", options->labels,
+                 "Write each frame's objects to DIR/STEM.png: 16 bit, object id a pixel, 0 none")
+      ->type_name("DIR");
+  app.add_option("--plot", options->plot, "Draw table and objects; with several frames to PATH-STEM.png")
+      ->type_name("PATH.png");
+  app.add_option("--evaluate", options->evaluate,
+                 "Compare with the labels of DIR (objects.json, NAME_depth.png, NAME_labels.png)")
+      ->type_name("DIR");
   return [options] { return run(*options); };
 }
 

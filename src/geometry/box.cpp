@@ -100,7 +100,8 @@ BoxFitter::BoxFitter() : columns_(kColumns) {
 /// Keeps, in each column of the plan, the lowest and the highest point.
 void BoxFitter::bin(const InverseDepth& inverse, const Rays& rays, const Plan& plan, const Cluster& cluster,
                     std::int32_t first_x, std::int64_t width_um) {
-  std::fill(columns_.begin(), columns_.end(), Column{{0, std::numeric_limits<std::int32_t>::max()}, {0, std::numeric_limits<std::int32_t>::min()}});
+  std::fill(columns_.begin(), columns_.end(),
+            Column{{0, std::numeric_limits<std::int32_t>::max()}, {0, std::numeric_limits<std::int32_t>::min()}});
   for (const std::uint32_t pixel : cluster.pixels) {
     const Point2 p = plan.project(pointOf(inverse, rays, pixel));
     const std::int64_t offset = static_cast<std::int64_t>(p.x) - first_x;

@@ -15,15 +15,16 @@ class BoxFitter {
  public:
   BoxFitter();
 
-  /// Sets everything in `cluster` that follows from `cluster.pixels`, `truncated` only as far as the image's border goes.
+  /// Sets everything in `cluster` that follows from `cluster.pixels`, `truncated` only as far as the image's border
+  /// goes.
   void fit(const InverseDepth& inverse, const Rays& rays, const Plan& plan, Cluster& cluster);
 
  private:
   struct Column {
     Point2 lowest, highest;
   };
-  void bin(const InverseDepth& inverse, const Rays& rays, const Plan& plan, const Cluster& cluster, std::int32_t first_x,
-           std::int64_t width_um);
+  void bin(const InverseDepth& inverse, const Rays& rays, const Plan& plan, const Cluster& cluster,
+           std::int32_t first_x, std::int64_t width_um);
   std::size_t hull();
 
   std::vector<Column> columns_;

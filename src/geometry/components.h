@@ -38,11 +38,11 @@ class Components {
   bool nearInSpace(std::uint32_t a, std::uint32_t b) const;
 
   std::int32_t gap_um_ = 0;
-  std::vector<std::int32_t> node_of_;             // by pixel; -1 = on or below the table
-  std::vector<std::uint32_t> pixel_, parent_;     // by node
-  std::vector<PointUm> point_;                    // by node
-  std::vector<std::int32_t> last_in_column_;      // node, -1 = none
-  std::vector<std::uint32_t> part_of_;            // by node
+  std::vector<std::int32_t> node_of_;          // by pixel; -1 = on or below the table
+  std::vector<std::uint32_t> pixel_, parent_;  // by node
+  std::vector<PointUm> point_;                 // by node
+  std::vector<std::int32_t> last_in_column_;   // node, -1 = none
+  std::vector<std::uint32_t> part_of_;         // by node
   std::vector<std::uint32_t> first_, sorted_pixels_;
 };
 

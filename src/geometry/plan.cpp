@@ -15,8 +15,8 @@ std::int64_t cross(Point2 o, Point2 a, Point2 b) {
 constexpr int kShortestRun = 8;
 
 /// First column of the first run of kShortestRun pixels on the plane, going by `step` from `from` to `end`; -1 if none.
-int firstRun(const std::int32_t* values, const PlaneSums& sums, std::int32_t row, std::int32_t tolerance, int from, int end,
-             int step) {
+int firstRun(const std::int32_t* values, const PlaneSums& sums, std::int32_t row, std::int32_t tolerance, int from,
+             int end, int step) {
   int run = 0;
   for (int u = from; u != end; u += step) {
     const std::int32_t r = values[u] - (sums.columns[static_cast<std::size_t>(u)] + row);
@@ -60,7 +60,8 @@ void Rays::fill(const Camera& camera, int width_px, int height_px) {
 
 void Plan::set(const MetricPlane& table) {
   const Eigen::Vector3d& n = table.normal;
-  // The image's rightward direction lies in the plane of every table that a camera sees; its downward direction otherwise.
+  // The image's rightward direction lies in the plane of every table that a camera sees; its downward direction
+  // otherwise.
   const Eigen::Vector3d right = std::abs(n.x()) < 0.9 ? Eigen::Vector3d(1, 0, 0) : Eigen::Vector3d(0, 1, 0);
   const double along_normal = n.dot(right);
   const Eigen::Vector3d flat = right - along_normal * n;

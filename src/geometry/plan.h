@@ -16,8 +16,8 @@ struct Point2 {
   std::int32_t x, y;
 };
 
-/// Convex hull of points sorted by x, then y; counter-clockwise from the first point, no three in a line. `hull` has room
-/// for twice the points. Returns the number of vertices.
+/// Convex hull of points sorted by x, then y; counter-clockwise from the first point, no three in a line. `hull` has
+/// room for twice the points. Returns the number of vertices.
 std::size_t convexHull(Span<const Point2> sorted, Point2* hull);
 
 /// Directions of the pixels: point = depth times (x, y, 1), in 2^-20.
@@ -58,7 +58,8 @@ class Plan {
 class Outline {
  public:
   /// False if the pixels within `tolerance` of the plane span no area.
-  bool fill(const InverseDepth& inverse, const PlaneSums& sums, std::int32_t tolerance, const Rays& rays, const Plan& plan);
+  bool fill(const InverseDepth& inverse, const PlaneSums& sums, std::int32_t tolerance, const Rays& rays,
+            const Plan& plan);
 
   bool contains(Point2 plan_um, std::int32_t margin_um) const;
   Span<const Eigen::Vector3f> points_m() const { return {points_m_.data(), points_m_.size()}; }

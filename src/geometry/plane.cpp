@@ -75,8 +75,8 @@ ResidualSums sumInliers(const InverseDepth& inverse, const PlaneSums& plane, std
   for (int v = 0; v < inverse.height_px; ++v) {
     for (int u = 0; u < inverse.width_px; u += kBlock) {
       const int count = std::min(kBlock, inverse.width_px - u);
-      const BlockSums block =
-          sumBlock(inverse.row(v) + u, plane.columns.data() + u, plane.rows[static_cast<std::size_t>(v)], tolerance, count);
+      const BlockSums block = sumBlock(inverse.row(v) + u, plane.columns.data() + u,
+                                       plane.rows[static_cast<std::size_t>(v)], tolerance, count);
       if (block.n > 0) addBlock(block, u - middle_u, v - middle_v, sums);
     }
   }
@@ -107,8 +107,7 @@ void refit(const InverseDepth& inverse, std::int32_t tolerance, InversePlane& pl
   if (!solve(sumInliers(inverse, sums, tolerance), change)) return;
   plane.per_u += change.per_u;
   plane.per_v += change.per_v;
-  plane.at_origin +=
-      change.at_origin - change.per_u * (inverse.width_px / 2) - change.per_v * (inverse.height_px / 2);
+  plane.at_origin += change.at_origin - change.per_u * (inverse.width_px / 2) - change.per_v * (inverse.height_px / 2);
   sums.fill(plane, inverse.width_px, inverse.height_px);
 }
 
@@ -215,9 +214,10 @@ PlaneFinder::Candidate PlaneFinder::draw(const std::vector<Sample>& samples, con
   return best;
 }
 
-/// A robot sees more floor than table where the table is small: a parallel plane nearer to the camera that holds 15 % of
-/// the samples is the table.
-PlaneFinder::Candidate PlaneFinder::tableAboveFloor(Candidate floor, const Camera& camera, const SegmentParams& params) {
+/// A robot sees more floor than table where the table is small: a parallel plane nearer to the camera that holds 15 %
+/// of the samples is the table.
+PlaneFinder::Candidate PlaneFinder::tableAboveFloor(Candidate floor, const Camera& camera,
+                                                    const SegmentParams& params) {
   constexpr double kTableAboveFloor_m = 0.3;
   constexpr int kMostLevels = 3;
   const double parallel = cosine(8);

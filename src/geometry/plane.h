@@ -63,6 +63,8 @@ struct PlaneSupport {
 PlaneSupport supportOf(const InverseDepth& inverse, const PlaneSums& sums, std::int32_t tolerance, double distance_m);
 
 /// Tolerance of the last refit, the outline and the residual.
-inline std::int32_t fineTolerance(const SegmentParams& params) { return params.plane_inlier_per_km * kUnitsPerKm * 6 / 10; }
+inline std::int32_t fineTolerance(const SegmentParams& params) {
+  return params.plane_inlier_per_km * kUnitsPerKm * 6 / 10;
+}
 
 }  // namespace voxid
