@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "capture_nodelet.h"
 
-#include <pluginlib/class_list_macros.hpp>
 #include <sensor_msgs/distortion_models.h>
 #include <sensor_msgs/image_encodings.h>
+#include <pluginlib/class_list_macros.hpp>
 
 #include "params.h"
 
@@ -24,7 +24,8 @@ sensor_msgs::ImagePtr imageOf(const CaptureFrame& frame) {
   image->width = static_cast<std::uint32_t>(frame.width_px);
   image->height = static_cast<std::uint32_t>(frame.height_px);
   image->step = image->width * static_cast<std::uint32_t>(frame.pixelBytes());
-  image->encoding = frame.sensor == Sensor::Depth ? sensor_msgs::image_encodings::TYPE_16UC1 : sensor_msgs::image_encodings::RGB8;
+  image->encoding =
+      frame.sensor == Sensor::Depth ? sensor_msgs::image_encodings::TYPE_16UC1 : sensor_msgs::image_encodings::RGB8;
   image->data.resize(static_cast<std::size_t>(image->step) * image->height);
   frame.copyTo(image->data.data(), image->step);
   return image;
@@ -80,7 +81,8 @@ void CaptureNodelet::onInit() {
   updater_ = std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), private_node, getName());
   updater_->setHardwareID("none");
   updater_->add("capture", this, &CaptureNodelet::diagnose);
-  timer_ = private_node.createWallTimer(ros::WallDuration(1), [this](const ros::WallTimerEvent&) { updater_->force_update(); });
+  timer_ = private_node.createWallTimer(ros::WallDuration(1),
+                                        [this](const ros::WallTimerEvent&) { updater_->force_update(); });
 
   // A listener may come before advertise has returned, and then waits for the publishers.
   const std::lock_guard<std::mutex> lock(listeners_mutex_);
@@ -96,7 +98,8 @@ void CaptureNodelet::setUpOutput(Output& output, const std::string& name, const 
   const ros::NodeHandle node(getNodeHandle(), name);
   output.calibration = std::make_unique<camera_info_manager::CameraInfoManager>(node, name, url);
   if (!output.calibration->isCalibrated())
-    setCalibrationProblem("~" + url_param + " " + url + " cannot be used; expected file:///path or package://name/path of a "
+    setCalibrationProblem("~" + url_param + " " + url +
+                          " cannot be used; expected file:///path or package://name/path of a "
                           "camera_info YAML; the field of view is used instead");
 }
 
@@ -119,7 +122,8 @@ void CaptureNodelet::onConfig(const CaptureConfig& config) {
 }
 
 ros::Time CaptureNodelet::stampOf(const CaptureFrame& frame) {
-  const bool taken_together = frame.sensor != last_sensor_ && frame.timestamp_us == last_timestamp_us_ && !last_stamp_.isZero();
+  const bool taken_together =
+      frame.sensor != last_sensor_ && frame.timestamp_us == last_timestamp_us_ && !last_stamp_.isZero();
   if (!taken_together) last_stamp_ = ros::Time::now() + ros::Duration(stamp_offset_ms_ / 1000.0);
   last_sensor_ = frame.sensor;
   last_timestamp_us_ = frame.timestamp_us;
@@ -136,15 +140,19 @@ void CaptureNodelet::onFrame(const CaptureFrame& frame, const Intrinsics& intrin
   publish(output, image, info);
 }
 
-void CaptureNodelet::publish(const Output& output, const sensor_msgs::ImagePtr& image, const sensor_msgs::CameraInfoPtr& info) {
+void CaptureNodelet::publish(const Output& output, const sensor_msgs::ImagePtr& image,
+                             const sensor_msgs::CameraInfoPtr& info) {
   output.info.publish(info);
   output.image.publish(image);
 }
 
-sensor_msgs::CameraInfoPtr CaptureNodelet::infoFor(const Output& output, const CaptureFrame& frame, const Intrinsics& intrinsics) {
+sensor_msgs::CameraInfoPtr CaptureNodelet::infoFor(const Output& output, const CaptureFrame& frame,
+                                                   const Intrinsics& intrinsics) {
   if (!output.calibration || !output.calibration->isCalibrated()) return pinhole(frame, intrinsics);
   auto info = boost::make_shared<sensor_msgs::CameraInfo>(output.calibration->getCameraInfo());
-  if (info->width == static_cast<std::uint32_t>(frame.width_px) && info->height == static_cast<std::uint32_t>(frame.height_px)) return info;
+  if (info->width == static_cast<std::uint32_t>(frame.width_px) &&
+      info->height == static_cast<std::uint32_t>(frame.height_px))
+    return info;
   setCalibrationProblem("the calibration is for " + std::to_string(info->width) + " x " + std::to_string(info->height) +
                         ", the images are " + std::to_string(frame.width_px) + " x " + std::to_string(frame.height_px) +
                         "; the field of view is used instead");
@@ -162,7 +170,8 @@ void CaptureNodelet::diagnose(diagnostic_updater::DiagnosticStatusWrapper& statu
   status.summary(levelOf(snapshot.state), summaryOf(snapshot));
   {
     const std::lock_guard<std::mutex> lock(calibration_mutex_);
-    if (!calibration_problem_.empty()) status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN, calibration_problem_);
+    if (!calibration_problem_.empty())
+      status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN, calibration_problem_);
   }
   status.add("state", nameOf(snapshot.state));
   status.add("cause", snapshot.cause);

@@ -18,8 +18,8 @@
 
 namespace voxid {
 
-/// Publishes what an OpenNI2 device sees while somebody listens: depth/image_raw (16UC1, mm), depth/camera_info and, with
-/// ~color, rgb/image_raw (rgb8), rgb/camera_info. Colour and depth that the device took together have one stamp.
+/// Publishes what an OpenNI2 device sees while somebody listens: depth/image_raw (16UC1, mm), depth/camera_info and,
+/// with ~color, rgb/image_raw (rgb8), rgb/camera_info. Colour and depth that the device took together have one stamp.
 class CaptureNodelet : public nodelet::Nodelet {
  public:
   ~CaptureNodelet() override;
@@ -35,7 +35,8 @@ class CaptureNodelet : public nodelet::Nodelet {
   };
 
   /// Hands the messages out by pointer: who listens in the same manager gets this very image.
-  virtual void publish(const Output& output, const sensor_msgs::ImagePtr& image, const sensor_msgs::CameraInfoPtr& info);
+  virtual void publish(const Output& output, const sensor_msgs::ImagePtr& image,
+                       const sensor_msgs::CameraInfoPtr& info);
 
  private:
   void onInit() override;

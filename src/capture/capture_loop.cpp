@@ -19,12 +19,18 @@ bool worthRetrying(const Status& status) { return status.kind == Status::Kind::C
 
 const char* nameOf(CaptureState state) {
   switch (state) {
-    case CaptureState::Idle: return "idle";
-    case CaptureState::Opening: return "opening";
-    case CaptureState::Running: return "running";
-    case CaptureState::Lost: return "lost";
-    case CaptureState::Ended: return "ended";
-    case CaptureState::Failed: return "failed";
+    case CaptureState::Idle:
+      return "idle";
+    case CaptureState::Opening:
+      return "opening";
+    case CaptureState::Running:
+      return "running";
+    case CaptureState::Lost:
+      return "lost";
+    case CaptureState::Ended:
+      return "ended";
+    case CaptureState::Failed:
+      return "failed";
   }
   return "unknown";
 }
@@ -140,8 +146,10 @@ CaptureLoop::Outcome CaptureLoop::readWhileWanted(Device& device, std::string& c
       colour_runs = colour;
     }
     switch (device.wait(kSlice_ms, frame)) {
-      case Device::Event::Disconnected: return lost("was disconnected", device, cause);
-      case Device::Event::End: return Outcome::Ended;
+      case Device::Event::Disconnected:
+        return lost("was disconnected", device, cause);
+      case Device::Event::End:
+        return Outcome::Ended;
       case Device::Event::BadFrame: {
         std::lock_guard<std::mutex> lock(mutex_);
         ++snapshot_.bad_frames;
@@ -151,7 +159,8 @@ CaptureLoop::Outcome CaptureLoop::readWhileWanted(Device& device, std::string& c
         if (device.isFile()) awaitDue(frame.timestamp_us);
         handOver(frame, intrinsics[static_cast<int>(frame.sensor)]);
         break;
-      case Device::Event::Nothing: break;
+      case Device::Event::Nothing:
+        break;
     }
     if (stalled(device)) return lost("has stalled: no frame came within stall_ms", device, cause);
   }
@@ -201,7 +210,8 @@ void CaptureLoop::noteOutage(const Status& status) {
 
 void CaptureLoop::awaitRetry() {
   std::unique_lock<std::mutex> lock(mutex_);
-  retry_ms_ = retry_ms_ == 0 ? params_.retry_first_ms : std::min(2 * retry_ms_, std::max(params_.retry_first_ms, params_.retry_most_ms));
+  retry_ms_ = retry_ms_ == 0 ? params_.retry_first_ms
+                             : std::min(2 * retry_ms_, std::max(params_.retry_first_ms, params_.retry_most_ms));
   changed_.wait_for(lock, std::chrono::milliseconds(retry_ms_), [this] { return !wanted(); });
 }
 

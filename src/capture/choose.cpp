@@ -22,7 +22,8 @@ Result<DeviceDescription> chooseByNumber(const std::string& choice, const std::v
   char* end = nullptr;
   const long number = std::strtol(choice.c_str() + 1, &end, 10);
   if (choice.size() < 2 || *end != '\0' || number < 1)
-    return Status::badUse("device '" + choice + "' is not understood; expected #1, #2, ..., a serial number, a URI or an .oni file");
+    return Status::badUse("device '" + choice +
+                          "' is not understood; expected #1, #2, ..., a serial number, a URI or an .oni file");
   if (static_cast<std::size_t>(number) > devices.size())
     return Status::cannotDo("no device " + choice + ": " + seen(devices));
   return devices[static_cast<std::size_t>(number) - 1];

@@ -27,7 +27,8 @@ std::vector<DeviceDescription> enumerate() {
   openni::Array<openni::DeviceInfo> infos;
   openni::OpenNI::enumerateDevices(&infos);
   std::vector<DeviceDescription> devices;
-  for (int i = 0; i < infos.getSize(); ++i) devices.push_back({infos[i].getUri(), infos[i].getVendor(), infos[i].getName(), ""});
+  for (int i = 0; i < infos.getSize(); ++i)
+    devices.push_back({infos[i].getUri(), infos[i].getVendor(), infos[i].getName(), ""});
   return devices;
 }
 
@@ -41,7 +42,8 @@ void addSerials(std::vector<DeviceDescription>& devices) {
 bool namesFile(const std::string& choice) {
   struct stat info = {};
   const bool named_so = choice.size() > 4 && choice.compare(choice.size() - 4, 4, ".oni") == 0;
-  return named_so || (choice.find(':') == std::string::npos && stat(choice.c_str(), &info) == 0 && S_ISREG(info.st_mode));
+  return named_so ||
+         (choice.find(':') == std::string::npos && stat(choice.c_str(), &info) == 0 && S_ISREG(info.st_mode));
 }
 
 std::string inParentheses(const std::string& text) { return text.empty() ? "" : " (" + text + ")"; }
@@ -56,7 +58,8 @@ Result<DeviceDescription> resolve(const std::string& choice) {
   std::vector<DeviceDescription> devices = enumerate();
   Result<DeviceDescription> chosen = chooseDevice(choice, devices);
   if (chosen.ok() || choice.empty() || choice.front() == '#') return chosen;
-  if (choice.find(':') != std::string::npos) return DeviceDescription{choice, "", "", ""};  // a driver may know how to make it
+  if (choice.find(':') != std::string::npos)
+    return DeviceDescription{choice, "", "", ""};  // a driver may know how to make it
   addSerials(devices);
   return chooseDevice(choice, devices);
 }
@@ -64,12 +67,14 @@ Result<DeviceDescription> resolve(const std::string& choice) {
 Status openNative(openni::Device& device, const std::string& uri) {
   if (device.open(uri.c_str()) == openni::STATUS_OK) return {};
   const std::string why = inParentheses(openNiComplaint());
-  if (namesFile(uri)) return Status::damaged(uri + " is no recording that OpenNI2 can read" + why + "; record it again");
-  return Status::cannotDo("device " + uri + " cannot be opened" + why + "; is it plugged in, and does no other program use it?");
+  if (namesFile(uri))
+    return Status::damaged(uri + " is no recording that OpenNI2 can read" + why + "; record it again");
+  return Status::cannotDo("device " + uri + " cannot be opened" + why +
+                          "; is it plugged in, and does no other program use it?");
 }
 
-/// Frame after frame; the rate is the reader's affair. Repeat is always on: without it OpenNI2's player thread spins at the
-/// end of the file, and walks over streams that are being destroyed.
+/// Frame after frame; the rate is the reader's affair. Repeat is always on: without it OpenNI2's player thread spins at
+/// the end of the file, and walks over streams that are being destroyed.
 void setUpPlayback(openni::Device& device) {
   openni::PlaybackControl* playback = device.getPlaybackControl();
   if (!playback) return;
@@ -77,8 +82,8 @@ void setUpPlayback(openni::Device& device) {
   playback->setSpeed(-1);
 }
 
-/// OpenNI2's player thread looks at a file's streams without a lock, except while it holds a frame that nobody has asked
-/// for. Brings it there, so that the streams can be destroyed.
+/// OpenNI2's player thread looks at a file's streams without a lock, except while it holds a frame that nobody has
+/// asked for. Brings it there, so that the streams can be destroyed.
 void parkPlayer(Device::Parts& parts) {
   SensorStream& depth = parts[Sensor::Depth];
   if (!depth.open() || !parts.device.isFile()) return;
@@ -102,10 +107,12 @@ Status openSensor(Device::Parts& parts, Sensor which) {
   if (!info) return Status::cannotDo("device " + uri + " has no " + name + " stream");
   const openni::VideoMode* mode = chooseMode(which, info->getSupportedVideoModes());
   if (!mode)
-    return Status::cannotDo("device " + uri + " offers no " + name + " mode that can be read; expected " +
-                            (which == Sensor::Depth ? "depth in 1 mm or 0.1 mm, found only shifts or packed formats" : "RGB888"));
+    return Status::cannotDo(
+        "device " + uri + " offers no " + name + " mode that can be read; expected " +
+        (which == Sensor::Depth ? "depth in 1 mm or 0.1 mm, found only shifts or packed formats" : "RGB888"));
   if (sensor.stream.create(parts.device, type) != openni::STATUS_OK)
-    return Status::cannotDo("device " + uri + ": its " + name + " stream cannot be opened" + inParentheses(openNiComplaint()));
+    return Status::cannotDo("device " + uri + ": its " + name + " stream cannot be opened" +
+                            inParentheses(openNiComplaint()));
   if (!parts.device.isFile() && sensor.stream.setVideoMode(*mode) != openni::STATUS_OK)
     return Status::cannotDo("device " + uri + " refuses its own " + name + " mode" + inParentheses(openNiComplaint()));
   sensor.mode = sensor.stream.getVideoMode();
@@ -125,7 +132,8 @@ void describe(Device::Parts& parts) {
 
 Status setRunning(SensorStream& sensor, bool wanted, const std::string& uri) {
   if (!sensor.open() || sensor.running == wanted) return {};
-  if (!wanted) sensor.stream.stop();
+  if (!wanted)
+    sensor.stream.stop();
   else if (sensor.stream.start() != openni::STATUS_OK)
     return Status::cannotDo("device " + uri + " does not start" + inParentheses(openNiComplaint()));
   sensor.running = wanted;
@@ -134,7 +142,8 @@ Status setRunning(SensorStream& sensor, bool wanted, const std::string& uri) {
 
 bool fileEnded(const Device::Parts& parts) {
   const auto& sensors = parts.sensors;
-  if (std::all_of(sensors.begin(), sensors.end(), [](const SensorStream& s) { return !s.running || s.at_end; })) return true;
+  if (std::all_of(sensors.begin(), sensors.end(), [](const SensorStream& s) { return !s.running || s.at_end; }))
+    return true;
   return std::chrono::steady_clock::now() - parts.last_frame > kFileSilence;
 }
 

@@ -13,8 +13,10 @@ struct Rgb {
 
 template <typename Pixel>
 void copyRow(const Pixel* from, Pixel* to, int width, bool mirrored) {
-  if (mirrored) std::reverse_copy(from, from + width, to);
-  else std::copy(from, from + width, to);
+  if (mirrored)
+    std::reverse_copy(from, from + width, to);
+  else
+    std::copy(from, from + width, to);
 }
 
 void toMillimetres(std::uint16_t* row, int width) {

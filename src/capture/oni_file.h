@@ -9,9 +9,9 @@
 
 namespace voxid {
 
-/// Bytes up to the end of the last record (OpenNI2's recorder leaves a hole of the same size behind it). Reads the head of
-/// each record only. CannotDo: no such file. Damaged: empty, another format, or no last record, as in a file that was cut
-/// or whose recorder was killed; OpenNI2 itself opens some of those and then waits for ever.
+/// Bytes up to the end of the last record (OpenNI2's recorder leaves a hole of the same size behind it). Reads the head
+/// of each record only. CannotDo: no such file. Damaged: empty, another format, or no last record, as in a file that
+/// was cut or whose recorder was killed; OpenNI2 itself opens some of those and then waits for ever.
 Result<std::int64_t> oniLength(const std::string& path);
 
 }  // namespace voxid

@@ -16,7 +16,8 @@ std::mutex& sessionMutex() {
 Result<std::shared_ptr<OpenNiSession>> OpenNiSession::begin() {
   std::lock_guard<std::mutex> lock(sessionMutex());
   if (openni::OpenNI::initialize() == openni::STATUS_OK) return std::make_shared<OpenNiSession>();
-  return Status::cannotDo("OpenNI2 cannot start (" + openNiComplaint() + "); its drivers are missing: install libopenni2-0");
+  return Status::cannotDo("OpenNI2 cannot start (" + openNiComplaint() +
+                          "); its drivers are missing: install libopenni2-0");
 }
 
 OpenNiSession::~OpenNiSession() {

@@ -29,7 +29,8 @@ bool done(const RecordLimits& limits, const RecordReport& report) {
 }
 
 /// Reads until a limit; the recorder takes its own copy of each frame.
-Status follow(Device& device, const RecordLimits& limits, RecordReport& report, const std::function<void(int)>& progress) {
+Status follow(Device& device, const RecordLimits& limits, RecordReport& report,
+              const std::function<void(int)>& progress) {
   const auto start = Clock::now();
   auto last_frame = start;
   CaptureFrame frame;
@@ -38,10 +39,13 @@ Status follow(Device& device, const RecordLimits& limits, RecordReport& report, 
     report.seconds = secondsSince(start);
     if (event == Device::Event::End) return {};
     if (event == Device::Event::Disconnected)
-      return Status::cannotDo("device " + device.description().uri + " vanished after " + std::to_string(report.frames) + " frames");
-    if (event == Device::Event::Frame) last_frame = Clock::now();
+      return Status::cannotDo("device " + device.description().uri + " vanished after " +
+                              std::to_string(report.frames) + " frames");
+    if (event == Device::Event::Frame)
+      last_frame = Clock::now();
     else if (secondsSince(last_frame) * 1000 > limits.silence_ms)
-      return Status::cannotDo("device " + device.description().uri + " has sent no frame for " + std::to_string(limits.silence_ms) + " ms");
+      return Status::cannotDo("device " + device.description().uri + " has sent no frame for " +
+                              std::to_string(limits.silence_ms) + " ms");
     if (event != Device::Event::Frame || frame.sensor != Sensor::Depth) continue;
     ++report.frames;
     if (progress) progress(report.frames);
@@ -64,7 +68,8 @@ Status startRecorder(openni::Recorder& recorder, Device& device, const std::stri
   for (SensorStream& sensor : device.parts().sensors)
     if (ok && sensor.open()) ok = recorder.attach(sensor.stream, false) == openni::STATUS_OK;
   if (ok && recorder.start() == openni::STATUS_OK) return {};
-  return Status::cannotDo(path + " cannot be recorded to (" + openNiComplaint() + "); is the folder there and writable?");
+  return Status::cannotDo(path + " cannot be recorded to (" + openNiComplaint() +
+                          "); is the folder there and writable?");
 }
 
 long long fileBytes(const std::string& path) {
@@ -114,7 +119,8 @@ Status record(Device& device, const std::string& path, const RecordLimits& limit
   if (report.frames > 0) awaitWritten(beside);
   recorder.stop();
   recorder.destroy();
-  if (status.ok() && report.frames == 0) status = Status::cannotDo("nothing was recorded: no frame came before the stop");
+  if (status.ok() && report.frames == 0)
+    status = Status::cannotDo("nothing was recorded: no frame came before the stop");
   Status written;
   if (report.frames > 0) written = countFrames(beside, report.frames);
   if (report.frames > 0 && written.ok()) written = publishFile(beside, path);

@@ -57,15 +57,20 @@ void printProgress(int frames) {
 
 void printDone(const RecordOptions& options, const RecordReport& report) {
   if (isatty(STDERR_FILENO)) std::fprintf(stderr, "\r\033[K");
-  if (options.json) std::cout << nlohmann::ordered_json{{"file", options.out}, {"frames", report.frames}, {"seconds", report.seconds}}.dump() << "\n";
-  else std::printf("%s: %d frames in %.1f s\n", options.out.c_str(), report.frames, report.seconds);
+  if (options.json)
+    std::cout
+        << nlohmann::ordered_json{{"file", options.out}, {"frames", report.frames}, {"seconds", report.seconds}}.dump()
+        << "\n";
+  else
+    std::printf("%s: %d frames in %.1f s\n", options.out.c_str(), report.frames, report.seconds);
 }
 
 Status recordFile(RecordOptions& options) {
   const auto device = Device::open(options.device);
   if (!device.ok()) return device.status;
   if (options.device.colour && !device.value->hasColour())
-    return Status::cannotDo("device " + device.value->description().uri + " has no colour stream; record without --color");
+    return Status::cannotDo("device " + device.value->description().uri +
+                            " has no colour stream; record without --color");
   std::signal(SIGINT, onInterrupt);
   std::signal(SIGTERM, onInterrupt);
   options.limits.stop = &stop_recording;
@@ -83,12 +88,21 @@ Run addCapture(CLI::App& app) {
   app.require_subcommand(1);
   CLI::App* lister = app.add_subcommand("list", "The devices that OpenNI2 sees");
   lister->add_flag("--json", list_options->json, "One array of uri, vendor, name, serial");
-  CLI::App* recorder = app.add_subcommand("record", "Record depth without loss to an .oni file, until a limit or Ctrl-C");
-  recorder->add_option("--out", record_options->out, "The file; appears once it is whole")->required()->type_name("FILE.oni");
-  recorder->add_option("--device", record_options->device.device, "#N, serial number, URI or .oni file (default: the first)")->type_name("D");
+  CLI::App* recorder =
+      app.add_subcommand("record", "Record depth without loss to an .oni file, until a limit or Ctrl-C");
+  recorder->add_option("--out", record_options->out, "The file; appears once it is whole")
+      ->required()
+      ->type_name("FILE.oni");
+  recorder
+      ->add_option("--device", record_options->device.device,
+                   "#N, serial number, URI or .oni file (default: the first)")
+      ->type_name("D");
   recorder->add_flag("--color", record_options->device.colour, "Record registered colour too");
-  auto* frames = recorder->add_option("--frames", record_options->limits.frames, "Stop after so many depth frames")->check(CLI::Range(1, 100000000));
-  recorder->add_option("--seconds", record_options->limits.seconds, "Stop after so many seconds")->check(CLI::Range(0.1, 1e6))->excludes(frames);
+  auto* frames = recorder->add_option("--frames", record_options->limits.frames, "Stop after so many depth frames")
+                     ->check(CLI::Range(1, 100000000));
+  recorder->add_option("--seconds", record_options->limits.seconds, "Stop after so many seconds")
+      ->check(CLI::Range(0.1, 1e6))
+      ->excludes(frames);
   recorder->add_flag("--json", record_options->json, "Print file, frames, seconds as an object");
   return [=] { return *lister ? list(*list_options) : recordFile(*record_options); };
 }

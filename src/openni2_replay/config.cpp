@@ -37,10 +37,14 @@ bool parseBool(const std::string& text, bool& out) {
 }
 
 bool parseCoding(const std::string& text, DepthCoding& out) {
-  if (text == "mm") out = DepthCoding::Millimetre;
-  else if (text == "100um") out = DepthCoding::TenthMm;
-  else if (text == "shift") out = DepthCoding::Shift;
-  else return false;
+  if (text == "mm")
+    out = DepthCoding::Millimetre;
+  else if (text == "100um")
+    out = DepthCoding::TenthMm;
+  else if (text == "shift")
+    out = DepthCoding::Shift;
+  else
+    return false;
   return true;
 }
 
@@ -106,7 +110,8 @@ std::optional<Config> configFromUri(const std::string& uri, std::string& problem
   for (std::string option; std::getline(options, option, '&');) {
     const std::size_t equals = option.find('=');
     const std::string value = equals == std::string::npos ? "" : option.substr(equals + 1);
-    if (!setOption(config, option.substr(0, equals), value)) return problem = refusal(uri, option.substr(0, equals), value), std::nullopt;
+    if (!setOption(config, option.substr(0, equals), value))
+      return problem = refusal(uri, option.substr(0, equals), value), std::nullopt;
   }
   return config;
 }

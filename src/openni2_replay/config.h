@@ -27,8 +27,8 @@ struct Config {
   DepthCoding coding = DepthCoding::Millimetre;
 };
 
-/// One device a folder of VOXID_REPLAY (separated by ':'), with VOXID_REPLAY_FPS, _LOOP, _HOLD, _SERIAL, _CONTROL, _MIRROR, _UNIT.
-/// A bad value is reported in `problems`, one sentence each, and its default stays.
+/// One device a folder of VOXID_REPLAY (separated by ':'), with VOXID_REPLAY_FPS, _LOOP, _HOLD, _SERIAL, _CONTROL,
+/// _MIRROR, _UNIT. A bad value is reported in `problems`, one sentence each, and its default stays.
 std::vector<Config> configsFromEnvironment(std::vector<std::string>& problems);
 
 /// `replay:/folder?fps=30&loop=1&...`, names as above in small letters. Nothing for another scheme; for a bad value a

@@ -15,8 +15,8 @@ struct Word {
   bool needs_amount;
 };
 constexpr Word kWords[] = {
-    {"unplug", Command::Kind::Unplug, false}, {"replug", Command::Kind::Replug, false},
-    {"stall", Command::Kind::Stall, true},    {"drop", Command::Kind::Drop, true},
+    {"unplug", Command::Kind::Unplug, false},  {"replug", Command::Kind::Replug, false},
+    {"stall", Command::Kind::Stall, true},     {"drop", Command::Kind::Drop, true},
     {"corrupt", Command::Kind::Corrupt, true}, {"noise", Command::Kind::Noise, true},
 };
 

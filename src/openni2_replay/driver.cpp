@@ -30,7 +30,7 @@ struct Folder {
   const OniDeviceInfo info;
   ControlFile control;
   Faults faults;
-  std::unique_ptr<FrameFolder> frames;           // decoded when first opened
+  std::unique_ptr<FrameFolder> frames;  // decoded when first opened
   Faults::Clock::time_point replug_at = Faults::Clock::time_point::max();
 };
 
@@ -75,7 +75,9 @@ class ReplayDevice : public oni::driver::DeviceBase {
   OniBool isPropertySupported(int property) override {
     return property == ONI_DEVICE_PROPERTY_SERIAL_NUMBER || property == ONI_DEVICE_PROPERTY_IMAGE_REGISTRATION;
   }
-  OniBool isImageRegistrationModeSupported(OniImageRegistrationMode) override { return TRUE; }  // the folder's images match
+  OniBool isImageRegistrationModeSupported(OniImageRegistrationMode) override {
+    return TRUE;
+  }  // the folder's images match
 
  private:
   void addSensor(OniSensorType sensor) {
@@ -96,7 +98,8 @@ class ReplayDriver : public oni::driver::DriverBase {
   explicit ReplayDriver(OniDriverServices* services) : DriverBase(services) {}
   ~ReplayDriver() override { stopControl(); }
 
-  OniStatus initialize(oni::driver::DeviceConnectedCallback connected, oni::driver::DeviceDisconnectedCallback disconnected,
+  OniStatus initialize(oni::driver::DeviceConnectedCallback connected,
+                       oni::driver::DeviceDisconnectedCallback disconnected,
                        oni::driver::DeviceStateChangedCallback changed, void* cookie) override {
     DriverBase::initialize(connected, disconnected, changed, cookie);
     std::vector<std::string> problems;
@@ -130,7 +133,8 @@ class ReplayDriver : public oni::driver::DriverBase {
 
   bool present(const Config& config) {
     if (config.uri.size() >= ONI_MAX_STR) return say(config.uri + " is longer than OpenNI2's 255 characters"), false;
-    if (findFrames(config.folder).empty()) return say(config.folder + " holds no depth images (*_depth.png, depth/*.png, *.png)"), false;
+    if (findFrames(config.folder).empty())
+      return say(config.folder + " holds no depth images (*_depth.png, depth/*.png, *.png)"), false;
     std::unique_lock<std::mutex> lock(mutex_);
     folders_.emplace_back(config);
     const OniDeviceInfo& info = folders_.back().info;
@@ -179,19 +183,28 @@ class ReplayDriver : public oni::driver::DriverBase {
     if (Faults::Clock::now() >= folder.replug_at) replug(folder);
     for (const std::string& line : folder.control.poll()) {
       Command command;
-      if (parseCommand(line, command)) obey(folder, command);
-      else say("control: '" + line + "' is no command; expected unplug [MS], replug, stall MS, drop N, corrupt N, noise N");
+      if (parseCommand(line, command))
+        obey(folder, command);
+      else
+        say("control: '" + line +
+            "' is no command; expected unplug [MS], replug, stall MS, drop N, corrupt N, noise N");
     }
   }
 
   void obey(Folder& folder, const Command& command) {
     switch (command.kind) {
-      case Command::Kind::Unplug: return unplug(folder, command.amount);
-      case Command::Kind::Replug: return replug(folder);
-      case Command::Kind::Stall: return folder.faults.stall(command.amount);
-      case Command::Kind::Drop: return folder.faults.drop(command.amount);
-      case Command::Kind::Corrupt: return folder.faults.corrupt(command.amount);
-      case Command::Kind::Noise: return folder.faults.noise(command.amount);
+      case Command::Kind::Unplug:
+        return unplug(folder, command.amount);
+      case Command::Kind::Replug:
+        return replug(folder);
+      case Command::Kind::Stall:
+        return folder.faults.stall(command.amount);
+      case Command::Kind::Drop:
+        return folder.faults.drop(command.amount);
+      case Command::Kind::Corrupt:
+        return folder.faults.corrupt(command.amount);
+      case Command::Kind::Noise:
+        return folder.faults.noise(command.amount);
     }
   }
 

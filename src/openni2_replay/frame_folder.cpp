@@ -78,7 +78,8 @@ bool FrameFolder::load(const std::string& folder, std::string& problem) {
 bool FrameFolder::loadDepth(const std::string& path, std::string& problem) {
   cv::Mat image = cv::imread(path, cv::IMREAD_UNCHANGED);
   if (image.empty()) return problem = path + " cannot be read as a PNG", false;
-  if (image.type() != CV_16UC1) return problem = path + " is not a depth image: expected one channel of 16 bits, millimetres", false;
+  if (image.type() != CV_16UC1)
+    return problem = path + " is not a depth image: expected one channel of 16 bits, millimetres", false;
   if (!depth_.empty() && image.size() != depth_.front().size())
     return problem = path + " differs in size from the images before it; a device has one size", false;
   depth_.push_back(std::move(image));
@@ -103,7 +104,8 @@ bool FrameFolder::loadCamera(const std::string& path, std::string& problem) {
     fx_px_ = matrix[0].as<double>();
     fy_px_ = matrix[4].as<double>();
   } catch (const YAML::Exception& e) {
-    return problem = path + " is not a camera_info YAML (" + e.what() + "); expected camera_matrix with nine numbers", false;
+    return problem = path + " is not a camera_info YAML (" + e.what() + "); expected camera_matrix with nine numbers",
+           false;
   }
   if (!(fx_px_ > 0 && fy_px_ > 0)) return problem = path + ": focal lengths must be positive", false;
   return true;

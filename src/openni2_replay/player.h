@@ -39,8 +39,8 @@ class Faults {
 
 /// A frame as the streams are to show it.
 struct Shot {
-  int image = 0;          ///< which of the folder
-  int index = 0;          ///< 1, 2, ... since the start, dropped ones counted
+  int image = 0;                   ///< which of the folder
+  int index = 0;                   ///< 1, 2, ... since the start, dropped ones counted
   std::uint64_t timestamp_us = 0;  ///< since the start
   Faults::Effect effect = Faults::Effect::None;
 };

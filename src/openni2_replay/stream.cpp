@@ -61,16 +61,24 @@ float ReplayStream::fov_rad(int length_px, double focal_px) const {
 OniStatus ReplayStream::getProperty(int property, void* data, int* bytes) {
   const double scale = static_cast<double>(mode_.resolutionX) / frames_.width_px();
   switch (property) {
-    case ONI_STREAM_PROPERTY_VIDEO_MODE: return answer(mode_, data, bytes);
+    case ONI_STREAM_PROPERTY_VIDEO_MODE:
+      return answer(mode_, data, bytes);
     case ONI_STREAM_PROPERTY_CROPPING:  // without an answer here a recording plays nothing back
       return answer(OniCropping{FALSE, 0, 0, mode_.resolutionX, mode_.resolutionY}, data, bytes);
-    case ONI_STREAM_PROPERTY_HORIZONTAL_FOV: return answer(fov_rad(mode_.resolutionX, frames_.fx_px() * scale), data, bytes);
-    case ONI_STREAM_PROPERTY_VERTICAL_FOV: return answer(fov_rad(mode_.resolutionY, frames_.fy_px() * scale), data, bytes);
-    case ONI_STREAM_PROPERTY_MAX_VALUE: return answer(sensor_ == ONI_SENSOR_DEPTH ? 65535 : 255, data, bytes);
-    case ONI_STREAM_PROPERTY_MIN_VALUE: return answer(0, data, bytes);
-    case ONI_STREAM_PROPERTY_MIRRORING: return answer<OniBool>(config_.mirror ? TRUE : FALSE, data, bytes);
-    case ONI_STREAM_PROPERTY_NUMBER_OF_FRAMES: return answer(frames_.size() * config_.hold, data, bytes);
-    default: return ONI_STATUS_NOT_SUPPORTED;
+    case ONI_STREAM_PROPERTY_HORIZONTAL_FOV:
+      return answer(fov_rad(mode_.resolutionX, frames_.fx_px() * scale), data, bytes);
+    case ONI_STREAM_PROPERTY_VERTICAL_FOV:
+      return answer(fov_rad(mode_.resolutionY, frames_.fy_px() * scale), data, bytes);
+    case ONI_STREAM_PROPERTY_MAX_VALUE:
+      return answer(sensor_ == ONI_SENSOR_DEPTH ? 65535 : 255, data, bytes);
+    case ONI_STREAM_PROPERTY_MIN_VALUE:
+      return answer(0, data, bytes);
+    case ONI_STREAM_PROPERTY_MIRRORING:
+      return answer<OniBool>(config_.mirror ? TRUE : FALSE, data, bytes);
+    case ONI_STREAM_PROPERTY_NUMBER_OF_FRAMES:
+      return answer(frames_.size() * config_.hold, data, bytes);
+    default:
+      return ONI_STATUS_NOT_SUPPORTED;
   }
 }
 
@@ -78,12 +86,14 @@ OniStatus ReplayStream::setProperty(int property, const void* data, int bytes) {
   if (property == ONI_STREAM_PROPERTY_VIDEO_MODE && bytes == static_cast<int>(sizeof mode_))
     return std::memcmp(data, &mode_, sizeof mode_) == 0 ? ONI_STATUS_OK : ONI_STATUS_NOT_SUPPORTED;
   if (property == ONI_STREAM_PROPERTY_MIRRORING && bytes == static_cast<int>(sizeof(OniBool)))
-    return *static_cast<const OniBool*>(data) == (config_.mirror ? TRUE : FALSE) ? ONI_STATUS_OK : ONI_STATUS_NOT_SUPPORTED;
+    return *static_cast<const OniBool*>(data) == (config_.mirror ? TRUE : FALSE) ? ONI_STATUS_OK
+                                                                                 : ONI_STATUS_NOT_SUPPORTED;
   return ONI_STATUS_NOT_SUPPORTED;
 }
 
 OniBool ReplayStream::isPropertySupported(int property) {
-  return property == ONI_STREAM_PROPERTY_CROPPING || (property >= ONI_STREAM_PROPERTY_HORIZONTAL_FOV && property <= ONI_STREAM_PROPERTY_MIN_VALUE) ||
+  return property == ONI_STREAM_PROPERTY_CROPPING ||
+         (property >= ONI_STREAM_PROPERTY_HORIZONTAL_FOV && property <= ONI_STREAM_PROPERTY_MIN_VALUE) ||
          property == ONI_STREAM_PROPERTY_MIRRORING || property == ONI_STREAM_PROPERTY_NUMBER_OF_FRAMES;
 }
 
@@ -115,7 +125,8 @@ void ReplayStream::show(const Shot& shot) {
   const std::size_t bytes = pixels.total() * pixels.elemSize();
   describe(shot, *frame);
   frame->stride = static_cast<int>(pixels.cols * pixels.elemSize());
-  frame->dataSize = static_cast<int>(shot.effect == Faults::Effect::Corrupt ? bytes / 2 : bytes);  // as a lost USB packet leaves it
+  frame->dataSize =
+      static_cast<int>(shot.effect == Faults::Effect::Corrupt ? bytes / 2 : bytes);  // as a lost USB packet leaves it
   std::memcpy(frame->data, pixels.data, static_cast<std::size_t>(frame->dataSize));
   raiseNewFrame(frame);
   getServices().releaseFrame(frame);

@@ -42,7 +42,8 @@ TEST(ChooseDevice, SaysThatNothingIsThere) {
 }
 
 TEST(ChooseDevice, RefusesNumbersThatAreNone) {
-  for (const char* bad : {"#", "#0", "#-1", "#x", "#1x"}) EXPECT_EQ(chooseDevice(bad, kTwo).status.kind, Status::Kind::BadUse) << bad;
+  for (const char* bad : {"#", "#0", "#-1", "#x", "#1x"})
+    EXPECT_EQ(chooseDevice(bad, kTwo).status.kind, Status::Kind::BadUse) << bad;
 }
 
 TEST(ChooseMode, PrefersMillimetresThenVgaThenThirty) {
@@ -59,12 +60,14 @@ TEST(ChooseMode, PrefersMillimetresThenVgaThenThirty) {
 }
 
 TEST(ChooseMode, RefusesWhatIsNoDepth) {
-  std::vector<openni::VideoMode> modes = {mode(openni::PIXEL_FORMAT_SHIFT_9_2, 640, 480, 30), mode(openni::PIXEL_FORMAT_SHIFT_9_3, 640, 480, 30)};
+  std::vector<openni::VideoMode> modes = {mode(openni::PIXEL_FORMAT_SHIFT_9_2, 640, 480, 30),
+                                          mode(openni::PIXEL_FORMAT_SHIFT_9_3, 640, 480, 30)};
   EXPECT_EQ(choose(Sensor::Depth, modes), nullptr);
 }
 
 TEST(ChooseMode, ReadsColourAsRgbOnly) {
-  std::vector<openni::VideoMode> modes = {mode(openni::PIXEL_FORMAT_YUV422, 640, 480, 30), mode(openni::PIXEL_FORMAT_RGB888, 320, 240, 30)};
+  std::vector<openni::VideoMode> modes = {mode(openni::PIXEL_FORMAT_YUV422, 640, 480, 30),
+                                          mode(openni::PIXEL_FORMAT_RGB888, 320, 240, 30)};
   EXPECT_EQ(choose(Sensor::Colour, modes), &modes[1]);
 }
 

@@ -26,7 +26,8 @@ TEST(ReplayControl, UnderstandsItsCommands) {
 
 TEST(ReplayControl, RefusesTheRest) {
   Command c;
-  for (const char* bad : {"", "stall", "stall x", "drop 0", "drop -1", "unplug x", "plug"}) EXPECT_FALSE(parseCommand(bad, c)) << bad;
+  for (const char* bad : {"", "stall", "stall x", "drop 0", "drop -1", "unplug x", "plug"})
+    EXPECT_FALSE(parseCommand(bad, c)) << bad;
 }
 
 TEST(ReplayControl, ReadsOnlyWholeLinesThatCameLater) {

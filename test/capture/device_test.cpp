@@ -56,8 +56,9 @@ TEST_F(DeviceTest, KeepsTheFrameRate) {
 
 TEST_F(DeviceTest, TellsTheCameraFromTheYamlBesideTheImages) {
   playFrames(1);
-  std::ofstream(folder / "camera_info.yaml") << "image_width: 160\nimage_height: 120\n"
-                                                "camera_matrix: {rows: 3, cols: 3, data: [131.25, 0, 79.5, 0, 140.5, 59.5, 0, 0, 1]}\n";
+  std::ofstream(folder / "camera_info.yaml")
+      << "image_width: 160\nimage_height: 120\n"
+         "camera_matrix: {rows: 3, cols: 3, data: [131.25, 0, 79.5, 0, 140.5, 59.5, 0, 0, 1]}\n";
   auto device = open();
   ASSERT_TRUE(device);
   const Intrinsics in = device->intrinsics(Sensor::Depth);

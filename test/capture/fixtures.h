@@ -37,7 +37,8 @@ inline cv::Mat depthImage(int frame, int width = 160, int height = 120) {
   cv::Mat image(height, width, CV_16UC1);
   for (int v = 0; v < height; ++v)
     for (int u = 0; u < width; ++u)
-      image.at<std::uint16_t>(v, u) = static_cast<std::uint16_t>((u + v) % 17 == 0 ? 0 : 500 + 7 * u + 3 * v + 11 * frame);
+      image.at<std::uint16_t>(v, u) =
+          static_cast<std::uint16_t>((u + v) % 17 == 0 ? 0 : 500 + 7 * u + 3 * v + 11 * frame);
   return image;
 }
 
@@ -46,7 +47,8 @@ inline void writeFrames(const std::string& folder, int frames, bool colour = fal
   for (int i = 0; i < frames; ++i) {
     const std::string stem = folder + "/f" + (i < 10 ? "0" : "") + std::to_string(i);
     cv::imwrite(stem + "_depth.png", depthImage(i));
-    if (colour) cv::imwrite(stem + "_color.png", cv::Mat(120, 160, CV_8UC3, cv::Scalar(10 + i, 100, 200)));  // blue, green, red
+    if (colour)
+      cv::imwrite(stem + "_color.png", cv::Mat(120, 160, CV_8UC3, cv::Scalar(10 + i, 100, 200)));  // blue, green, red
   }
 }
 

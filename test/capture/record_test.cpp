@@ -42,7 +42,8 @@ class RecordTest : public ReplayTest {
 
 std::vector<std::string> namesIn(const TempFolder& folder) {
   std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) names.push_back(entry.path().filename().string());
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+    names.push_back(entry.path().filename().string());
   return names;
 }
 
@@ -56,13 +57,15 @@ TEST_F(RecordTest, PlaysBackWhatWasRecordedByteForByte) {
   for (int round = 0; round < 3; ++round) {
     const std::vector<cv::Mat> frames = readFile(out / "x.oni");
     ASSERT_EQ(static_cast<int>(frames.size()), report_.frames);
-    for (int i = 0; i < report_.frames; ++i) EXPECT_TRUE(same(frames[static_cast<std::size_t>(i)], depthImage(i % 12))) << i;
+    for (int i = 0; i < report_.frames; ++i)
+      EXPECT_TRUE(same(frames[static_cast<std::size_t>(i)], depthImage(i % 12))) << i;
   }
 }
 
 TEST_F(RecordTest, KeepsTheCamera) {
   playFrames(2);
-  std::ofstream(folder / "camera_info.yaml") << "camera_matrix: {rows: 3, cols: 3, data: [131.25, 0, 79.5, 0, 131.25, 59.5, 0, 0, 1]}\n";
+  std::ofstream(folder / "camera_info.yaml")
+      << "camera_matrix: {rows: 3, cols: 3, data: [131.25, 0, 79.5, 0, 131.25, 59.5, 0, 0, 1]}\n";
   RecordLimits limits;
   limits.frames = 2;
   ASSERT_TRUE(recordTo(out / "x.oni", limits).ok());
@@ -86,7 +89,8 @@ TEST_F(RecordTest, RecordsColourToo) {
   while (nextFrame(*device.value, frame) == Event::Frame)
     if (frame.sensor == Sensor::Colour) {
       ++colours;
-      EXPECT_EQ(pixelsOf(frame).at<cv::Vec3b>(60, 80), cv::Vec3b(200, 100, static_cast<std::uint8_t>(10 + (frame.index - 1) % 4)));
+      EXPECT_EQ(pixelsOf(frame).at<cv::Vec3b>(60, 80),
+                cv::Vec3b(200, 100, static_cast<std::uint8_t>(10 + (frame.index - 1) % 4)));
     }
   EXPECT_GE(colours, 3);
 }
@@ -180,21 +184,29 @@ TEST_F(RecordTest, LoopPlaysARecordingOnceOrForEver) {
 
 /// What a scene says, comparable.
 std::vector<float> summaryOf(const Scene& scene) {
-  std::vector<float> out = {static_cast<float>(scene.status), scene.table.distance_m, static_cast<float>(scene.table.inliers)};
+  std::vector<float> out = {static_cast<float>(scene.status), scene.table.distance_m,
+                            static_cast<float>(scene.table.inliers)};
   for (const Cluster& c : scene.clusters)
-    out.insert(out.end(), {static_cast<float>(c.pixels.size), c.centroid_m.x(), c.centroid_m.y(), c.centroid_m.z(), c.extents_m.x(), c.extents_m.y(), c.extents_m.z()});
+    out.insert(out.end(), {static_cast<float>(c.pixels.size), c.centroid_m.x(), c.centroid_m.y(), c.centroid_m.z(),
+                           c.extents_m.x(), c.extents_m.y(), c.extents_m.z()});
   return out;
 }
 
 DepthView viewOf(const cv::Mat& image, const Intrinsics& in) {
-  return {image.data, image.cols, image.rows, image.step, DepthUnit::MillimetreU16, Camera::fromPixels(in.fx_px, in.fy_px, in.cx_px, in.cy_px)};
+  return {image.data,
+          image.cols,
+          image.rows,
+          image.step,
+          DepthUnit::MillimetreU16,
+          Camera::fromPixels(in.fx_px, in.fy_px, in.cx_px, in.cy_px)};
 }
 
 TEST_F(RecordTest, FindsTheSameObjectsInTheSamePlacesInARecording) {
   if (!std::filesystem::exists(kScenes)) GTEST_SKIP() << "no real scenes: " << kScenes << " is absent";
   const char* scenes[] = {"learn0", "learn10", "test0"};
   for (const char* scene : scenes)
-    std::filesystem::copy(std::string(kScenes) + "/" + scene + "_depth.png", folder / (std::string(scene) + "_depth.png"));
+    std::filesystem::copy(std::string(kScenes) + "/" + scene + "_depth.png",
+                          folder / (std::string(scene) + "_depth.png"));
   std::filesystem::copy(std::string(kScenes) + "/camera_info.yaml", folder / "camera_info.yaml");
   play(folder.path());
   RecordLimits limits;

@@ -43,14 +43,16 @@ class Addresses {
 Addresses captured, classified;
 
 class SpyCapture : public CaptureNodelet {
-  void publish(const Output& output, const sensor_msgs::ImagePtr& image, const sensor_msgs::CameraInfoPtr& info) override {
+  void publish(const Output& output, const sensor_msgs::ImagePtr& image,
+               const sensor_msgs::CameraInfoPtr& info) override {
     captured.note(*image);
     CaptureNodelet::publish(output, image, info);
   }
 };
 
 class SpyClassification : public ClassificationNodelet {
-  void onFrame(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info, const SegmentsConstPtr& segments) override {
+  void onFrame(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info,
+               const SegmentsConstPtr& segments) override {
     classified.note(*image);
     ClassificationNodelet::onFrame(image, info, segments);
   }
@@ -118,7 +120,9 @@ class CaptureNodeletTest : public ReplayTest {
   }
   ~CaptureNodeletTest() override { loader_.clear(); }
 
-  void start(const std::string& nodelet = "capture") { ASSERT_TRUE(loader_.load(name_ + "/" + nodelet, "voxid/" + nodelet, {}, {})); }
+  void start(const std::string& nodelet = "capture") {
+    ASSERT_TRUE(loader_.load(name_ + "/" + nodelet, "voxid/" + nodelet, {}, {}));
+  }
 
   template <typename M>
   boost::shared_ptr<const M> first(Listener<M>& listener) {
@@ -143,7 +147,8 @@ class CaptureNodeletTest : public ReplayTest {
 
 TEST_F(CaptureNodeletTest, PublishesDepthWithItsCamera) {
   playFrames(1);
-  std::ofstream(folder / "camera_info.yaml") << "camera_matrix: {rows: 3, cols: 3, data: [131.25, 0, 79.5, 0, 140.5, 59.5, 0, 0, 1]}\n";
+  std::ofstream(folder / "camera_info.yaml")
+      << "camera_matrix: {rows: 3, cols: 3, data: [131.25, 0, 79.5, 0, 140.5, 59.5, 0, 0, 1]}\n";
   start();
   Listener<Image> images(node_, "depth/image_raw");
   Listener<CameraInfo> infos(node_, "depth/camera_info");
@@ -161,7 +166,9 @@ TEST_F(CaptureNodeletTest, PublishesDepthWithItsCamera) {
   EXPECT_EQ(std::memcmp(image->data.data(), expected.data, image->data.size()), 0);
 
   boost::shared_ptr<const CameraInfo> info;
-  ASSERT_TRUE(test::eventually(10, [&] { return (info = infos.find([&](const ros::Time& stamp) { return images.wait(stamp, 0) != nullptr; })) != nullptr; }));
+  ASSERT_TRUE(test::eventually(10, [&] {
+    return (info = infos.find([&](const ros::Time& stamp) { return images.wait(stamp, 0) != nullptr; })) != nullptr;
+  }));
   EXPECT_EQ(info->header.frame_id, "voxid_depth_optical_frame");
   EXPECT_EQ(info->width, 160u);
   EXPECT_EQ(info->height, 120u);
@@ -218,7 +225,9 @@ TEST_F(CaptureNodeletTest, StampsColourAndDepthAlike) {
   start();
   Listener<Image> depth(node_, "depth/image_raw"), colour(node_, "rgb/image_raw");
   boost::shared_ptr<const Image> rgb;
-  ASSERT_TRUE(test::eventually(10, [&] { return (rgb = colour.find([&](const ros::Time& stamp) { return depth.wait(stamp, 0) != nullptr; })) != nullptr; }));
+  ASSERT_TRUE(test::eventually(10, [&] {
+    return (rgb = colour.find([&](const ros::Time& stamp) { return depth.wait(stamp, 0) != nullptr; })) != nullptr;
+  }));
   EXPECT_EQ(rgb->encoding, "rgb8");
   EXPECT_EQ(rgb->step, 480u);
   EXPECT_EQ(rgb->data[0], 200);

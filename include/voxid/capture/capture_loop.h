@@ -19,20 +19,20 @@ enum class CaptureState : std::uint8_t {
   Idle,     ///< nobody listens; the device is closed
   Opening,  ///< opened or about to be, no frame yet
   Running,
-  Lost,     ///< absent, unplugged or stalled; tried again with growing delay
-  Ended,    ///< the recording is over; starts anew with the next first listener
-  Failed,   ///< trying again is no use (a damaged file, a device name that is none)
+  Lost,    ///< absent, unplugged or stalled; tried again with growing delay
+  Ended,   ///< the recording is over; starts anew with the next first listener
+  Failed,  ///< trying again is no use (a damaged file, a device name that is none)
 };
 const char* nameOf(CaptureState state);  ///< "idle", ...
 
 struct CaptureSnapshot {
   CaptureState state = CaptureState::Idle;
-  std::string cause;                  ///< Lost, Failed: the sentence
-  std::string device;                 ///< name and URI once opened
-  std::uint64_t frames = 0;           ///< handed over since construction
-  std::uint64_t bad_frames = 0;       ///< thrown away: size not the mode's
-  std::uint64_t reconnects = 0;       ///< outages that ended
-  double last_frame_age_s = -1;       ///< -1: no frame yet
+  std::string cause;             ///< Lost, Failed: the sentence
+  std::string device;            ///< name and URI once opened
+  std::uint64_t frames = 0;      ///< handed over since construction
+  std::uint64_t bad_frames = 0;  ///< thrown away: size not the mode's
+  std::uint64_t reconnects = 0;  ///< outages that ended
+  double last_frame_age_s = -1;  ///< -1: no frame yet
 };
 
 class CaptureLoop {
@@ -40,7 +40,7 @@ class CaptureLoop {
   struct Options {
     std::string device;  ///< as DeviceOptions
     bool colour = false;
-    bool loop = false;   ///< a recording that ended begins again
+    bool loop = false;  ///< a recording that ended begins again
   };
   /// Called on the loop's thread.
   struct Sink {

@@ -14,7 +14,7 @@ namespace voxid {
 
 /// A device that OpenNI2 sees now.
 struct DeviceDescription {
-  std::string uri;     ///< as its driver names it; changes with the USB port
+  std::string uri;  ///< as its driver names it; changes with the USB port
   std::string vendor;
   std::string name;
   std::string serial;  ///< empty if the device has none or is in use
@@ -32,8 +32,8 @@ struct Intrinsics {
   double fx_px = 0, fy_px = 0, cx_px = 0, cy_px = 0;
 };
 
-/// OpenNI2 knows a field of view (radians) and puts the optical axis in the middle of the image. The focal length is rounded
-/// to 1/1000 px: a float holds no more, and 525 comes back as 525. A vertical field of 0 means square pixels.
+/// OpenNI2 knows a field of view (radians) and puts the optical axis in the middle of the image. The focal length is
+/// rounded to 1/1000 px: a float holds no more, and 525 comes back as 525. A vertical field of 0 means square pixels.
 Intrinsics intrinsicsFromFov(double horizontal_rad, double vertical_rad, int width_px, int height_px);
 
 enum class Sensor : std::uint8_t { Depth, Colour };
@@ -43,11 +43,11 @@ struct CaptureFrame {
   Sensor sensor = Sensor::Depth;
   const void* data = nullptr;
   int width_px = 0, height_px = 0;
-  std::size_t row_bytes = 0;      ///< of `data`
-  std::uint64_t timestamp_us = 0; ///< the device's clock: any zero, the same for depth and colour
-  int index = 0;                  ///< counts up; a gap is a lost frame
-  bool tenth_mm = false;          ///< depth in 0.1 mm, converted by copyTo
-  bool mirrored = false;          ///< left and right are exchanged, put right by copyTo
+  std::size_t row_bytes = 0;       ///< of `data`
+  std::uint64_t timestamp_us = 0;  ///< the device's clock: any zero, the same for depth and colour
+  int index = 0;                   ///< counts up; a gap is a lost frame
+  bool tenth_mm = false;           ///< depth in 0.1 mm, converted by copyTo
+  bool mirrored = false;           ///< left and right are exchanged, put right by copyTo
 
   /// 2 for depth (uint16 millimetres, 0 = none), 3 for colour (RGB).
   int pixelBytes() const { return sensor == Sensor::Depth ? 2 : 3; }
@@ -68,8 +68,8 @@ struct DeviceOptions {
 class Device {
  public:
   /// Opens the device and picks its modes. Depth: 1 mm before 0.1 mm, then the size nearest to 640 x 480, then the rate
-  /// nearest to 30/s; formats that hold no depth (shifts, packed) are refused. Mirroring is switched off where the device can.
-  /// CannotDo: no such device, no depth. Damaged: an .oni that is empty or cut. BadUse: "#x".
+  /// nearest to 30/s; formats that hold no depth (shifts, packed) are refused. Mirroring is switched off where the
+  /// device can. CannotDo: no such device, no depth. Damaged: an .oni that is empty or cut. BadUse: "#x".
   static Result<std::unique_ptr<Device>> open(const DeviceOptions& options);
   ~Device();  ///< stops and closes; also after a disconnect
   Device(const Device&) = delete;
@@ -77,7 +77,7 @@ class Device {
 
   const DeviceDescription& description() const;
   bool isFile() const;
-  bool hasColour() const;                         ///< opened with colour, and the device has it
+  bool hasColour() const;  ///< opened with colour, and the device has it
   Intrinsics intrinsics(Sensor sensor) const;
   int width_px(Sensor sensor) const;
   int height_px(Sensor sensor) const;
@@ -93,8 +93,8 @@ class Device {
     Disconnected,  ///< the device is gone; only destroying it makes sense
     End,           ///< a recording, or a replay without loop, has shown its last frame
   };
-  /// Waits for the next frame of any running stream, at most timeout_ms. A recording gives every frame, one after the other,
-  /// as fast as it is read; its end is known by its count of frames, or, where the file holds none, by silence.
+  /// Waits for the next frame of any running stream, at most timeout_ms. A recording gives every frame, one after the
+  /// other, as fast as it is read; its end is known by its count of frames, or, where the file holds none, by silence.
   Event wait(int timeout_ms, CaptureFrame& frame);
 
   struct Parts;  ///< OpenNI2's own objects, for this library's sources
