@@ -34,7 +34,31 @@ void append(double x_m, double y_m, double z_m, Points& points) {
   points.push_back({um(x_m), um(y_m), um(z_m)});
 }
 
-/// PCL's header reader takes the number of points on trust and reserves memory for it.
+/// PCL reserves and clears memory for as many points as the header names, before it looks at the file's length. Even
+/// the compressed encoding holds fewer than 8 points a byte.
+Status checkPcdCounts(const std::string& path) {
+  constexpr double kMostPointsPerByte = 8;
+  const double most = kMostPointsPerByte * static_cast<double>(fs::file_size(path));
+  std::ifstream file(path, std::ios::binary);
+  double width = 1, height = 1;
+  std::string word;
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream fields(line);
+    double number = 0;
+    fields >> word;
+    if (word == "DATA") break;
+    if (!(fields >> number)) continue;
+    if (word == "WIDTH") width = number;
+    if (word == "HEIGHT") height = number;
+    const bool counts = word == "WIDTH" || word == "HEIGHT" || word == "POINTS";
+    if (counts && (number < 0 || number > most || width * height > most)) {
+      return Status::damaged(path + ": damaged PCD, its header speaks of more points than the file can hold");
+    }
+  }
+  return {};
+}
+
+/// Says how much is missing, which PCL's readers do not. The 1: an ASCII file's last line may lack its end.
 Status checkPcdSize(const std::string& path, const pcl::PCLPointCloud2& header, int data_type, unsigned data_at) {
   constexpr int kAscii = 0, kBinary = 1;
   const std::uintmax_t bytes = fs::file_size(path), points = std::uintmax_t{header.width} * header.height;
@@ -46,6 +70,8 @@ Status checkPcdSize(const std::string& path, const pcl::PCLPointCloud2& header, 
 }
 
 Status checkPcd(const std::string& path) {
+  const Status counts = checkPcdCounts(path);
+  if (!counts.ok()) return counts;
   pcl::PCDReader reader;
   pcl::PCLPointCloud2 header;
   Eigen::Vector4f origin;
@@ -70,8 +96,7 @@ Result<Points> readPcd(const std::string& path) {
   try {
     const Status status = checkPcd(path);
     if (!status.ok()) return status;
-    if (pcl::io::loadPCDFile(path, cloud) < 0)
-      return Status::damaged(path + ": damaged PCD, its points cannot be read");
+    if (pcl::io::loadPCDFile(path, cloud) < 0) return Status::damaged(path + ": damaged PCD, cannot be read");
   } catch (const std::exception&) {
     return Status::damaged(path + ": damaged PCD, cannot be read");
   }
