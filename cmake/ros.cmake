@@ -9,10 +9,12 @@ add_message_files(FILES
 generate_messages(DEPENDENCIES std_msgs sensor_msgs geometry_msgs)
 generate_dynamic_reconfigure_options(cfg/Capture.cfg cfg/Segmentation.cfg cfg/Classification.cfg)
 
+find_package(Eigen3 3.3 REQUIRED NO_MODULE)  # the geometry headers that are installed include it
 catkin_package(
   INCLUDE_DIRS include
   LIBRARIES voxid_core voxid_geometry
-  CATKIN_DEPENDS message_runtime ${VOXID_CATKIN_COMPONENTS})
+  CATKIN_DEPENDS message_runtime ${VOXID_CATKIN_COMPONENTS}
+  DEPENDS EIGEN3)
 
 install(FILES package.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 install(DIRECTORY launch rviz cfg DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
