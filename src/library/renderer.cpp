@@ -22,27 +22,55 @@ RTCDevice device() {
   return only;
 }
 
-Vector3f rayThrough(const Camera& camera, float u, float v) {
+/// Takes points and directions of the camera's frame to the scene's.
+class ToScene {
+ public:
+  explicit ToScene(const Placement& pose) : turn_(pose.rotation.transpose() / pose.scale), camera_(turn_ * -pose.translation) {}
+  Vector3f direction(const Vector3f& d) const { return turn_ * d; }
+  Vector3f point(const Vector3f& p) const { return turn_ * p + camera_; }
+  const Vector3f& camera() const { return camera_; }
+
+ private:
+  Eigen::Matrix3f turn_;
+  Vector3f camera_;
+};
+
+Vector3f rayThrough(const Camera& camera, const Eigen::Vector2f& point_px) {
   constexpr float kQ16 = 65536;
-  return {(u * kQ16 - camera.cx_q16) / camera.fx_q16, (v * kQ16 - camera.cy_q16) / camera.fy_q16, 1};
+  return {(point_px.x() * kQ16 - camera.cx_q16) / camera.fx_q16, (point_px.y() * kQ16 - camera.cy_q16) / camera.fy_q16, 1};
 }
 
-/// A point or direction of the camera's frame in the scene's.
-Vector3f directionToScene(const Placement& pose, const Vector3f& d) { return pose.rotation.transpose() * d / pose.scale; }
-Vector3f pointToScene(const Placement& pose, const Vector3f& p) { return directionToScene(pose, p - pose.translation); }
+constexpr std::size_t kPacket = 4;  ///< as wide as SSE2
 
-RTCRay rayFrom(const Vector3f& origin, const Vector3f& direction, float nearest, float farthest) {
-  RTCRay ray{};
-  ray.org_x = origin.x();
-  ray.org_y = origin.y();
-  ray.org_z = origin.z();
-  ray.dir_x = direction.x();
-  ray.dir_y = direction.y();
-  ray.dir_z = direction.z();
-  ray.tnear = nearest;
-  ray.tfar = farthest;
-  ray.mask = 0xffffffff;
-  return ray;
+void setRay(RTCRay4& rays, std::size_t i, const Vector3f& origin, const Vector3f& direction, float nearest, float farthest) {
+  rays.org_x[i] = origin.x();
+  rays.org_y[i] = origin.y();
+  rays.org_z[i] = origin.z();
+  rays.dir_x[i] = direction.x();
+  rays.dir_y[i] = direction.y();
+  rays.dir_z[i] = direction.z();
+  rays.tnear[i] = nearest;
+  rays.tfar[i] = farthest;
+  rays.mask[i] = 0xffffffff;
+}
+
+RTCIntersectContext coherentContext() {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  return context;
+}
+
+Hit hitOf(const RTCRayHit4& rays, std::size_t i) {
+  if (rays.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) return {};
+  const Vector3f normal(rays.hit.Ng_x[i], rays.hit.Ng_y[i], rays.hit.Ng_z[i]);
+  const Vector3f direction(rays.ray.dir_x[i], rays.ray.dir_y[i], rays.ray.dir_z[i]);
+  const float lengths = normal.norm() * direction.norm();
+  Hit hit;
+  hit.depth_mm = rays.ray.tfar[i];
+  hit.cosine = lengths > 0 ? std::abs(normal.dot(direction)) / lengths : 0;
+  hit.object = static_cast<std::uint16_t>(rays.hit.geomID[i] + 1);
+  return hit;
 }
 
 }  // namespace
@@ -91,36 +119,41 @@ int RayScene::add(const Mesh& mesh, const Placement& placement) {
 
 void RayScene::commit() { rtcCommitScene(impl_->scene); }
 
-Hit RayScene::cast(const Camera& camera, const Placement& pose, float u, float v) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  // The direction's z is 1 in the camera's frame, so the distance along the ray is the depth.
-  const Vector3f direction = directionToScene(pose, rayThrough(camera, u, v));
-  RTCRayHit ray{};
-  ray.ray = rayFrom(pointToScene(pose, Vector3f::Zero()), direction, 0, std::numeric_limits<float>::infinity());
-  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(impl_->scene, &context, &ray);
-  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-  const Vector3f normal(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z);
-  const float lengths = normal.norm() * direction.norm();
-  Hit hit;
-  hit.depth_mm = ray.ray.tfar;
-  hit.cosine = lengths > 0 ? std::abs(normal.dot(direction)) / lengths : 0;
-  hit.object = static_cast<std::uint16_t>(ray.hit.geomID + 1);
-  return hit;
+void RayScene::cast(const Camera& camera, const Placement& pose, Span<const Eigen::Vector2f> points_px, Span<Hit> hits) const {
+  const ToScene to_scene(pose);
+  RTCIntersectContext context = coherentContext();
+  for (std::size_t first = 0; first < points_px.size; first += kPacket) {
+    const std::size_t count = std::min(kPacket, points_px.size - first);
+    alignas(16) RTCRayHit4 rays{};
+    alignas(16) int valid[kPacket] = {};
+    for (std::size_t i = 0; i < count; ++i) {
+      // The direction's z is 1 in the camera's frame, so the distance along the ray is the depth.
+      const Vector3f direction = to_scene.direction(rayThrough(camera, points_px[first + i]));
+      setRay(rays.ray, i, to_scene.camera(), direction, 0, std::numeric_limits<float>::infinity());
+      rays.hit.geomID[i] = rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+      valid[i] = -1;
+    }
+    rtcIntersect4(valid, impl_->scene, &context, &rays);
+    for (std::size_t i = 0; i < count; ++i) hits[first + i] = hitOf(rays, i);
+  }
 }
 
-bool RayScene::blocked(const Placement& pose, const Vector3f& from_mm, const Vector3f& to_mm) const {
-  // Starts and ends a little off, so that the surfaces at the ends do not block.
-  constexpr float kOff = 0.002f;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  const Vector3f direction = directionToScene(pose, to_mm - from_mm);
-  RTCRay ray = rayFrom(pointToScene(pose, from_mm), direction, kOff, 1 - kOff);
-  rtcOccluded1(impl_->scene, &context, &ray);
-  return ray.tfar < 0;
+void RayScene::findBlocked(const Placement& pose, Span<const Vector3f> from_mm, const Vector3f& to_mm, Span<std::uint8_t> blocked) const {
+  constexpr float kOff = 0.002f;  // of the way, so that the surfaces at its ends do not block
+  const ToScene to_scene(pose);
+  RTCIntersectContext context = coherentContext();
+  for (std::size_t first = 0; first < from_mm.size; first += kPacket) {
+    const std::size_t count = std::min(kPacket, from_mm.size - first);
+    alignas(16) RTCRay4 rays{};
+    alignas(16) int valid[kPacket] = {};
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vector3f& from = from_mm[first + i];
+      setRay(rays, i, to_scene.point(from), to_scene.direction(to_mm - from), kOff, 1 - kOff);
+      valid[i] = -1;
+    }
+    rtcOccluded4(valid, impl_->scene, &context, &rays);
+    for (std::size_t i = 0; i < count; ++i) blocked[first + i] = rays.tfar[i] < 0;
+  }
 }
 
 PixelBox RayScene::projectedBox(const Imager& imager, const Placement& pose) const {
@@ -149,11 +182,11 @@ RenderedView render(const RayScene& scene, const Imager& imager, const Placement
   RenderedView view{imager.width_px, imager.height_px, {}};
   view.hits.resize(static_cast<std::size_t>(imager.width_px) * imager.height_px);
   const PixelBox box = scene.projectedBox(imager, pose);
+  std::vector<Eigen::Vector2f> row(static_cast<std::size_t>(box.width));
   for (int v = box.y; v < box.y + box.height; ++v) {
-    for (int u = box.x; u < box.x + box.width; ++u) {
-      view.hits[static_cast<std::size_t>(v) * imager.width_px + u] =
-          scene.cast(imager.camera, pose, static_cast<float>(u), static_cast<float>(v));
-    }
+    for (int i = 0; i < box.width; ++i) row[static_cast<std::size_t>(i)] = Eigen::Vector2f(static_cast<float>(box.x + i), static_cast<float>(v));
+    Hit* const first = view.hits.data() + static_cast<std::size_t>(v) * imager.width_px + box.x;
+    scene.cast(imager.camera, pose, {row.data(), row.size()}, {first, row.size()});
   }
   return view;
 }

@@ -48,12 +48,11 @@ class Sensor {
     image_.imager = imager;
     image_.depth_mm.assign(pixels, 0);
     image_.objects.assign(pixels, 0);
+    row_ = Row(static_cast<std::size_t>(box_.width));
   }
 
   DepthImage observe() {
-    for (int v = box_.y; v < box_.y + box_.height; ++v) {
-      for (int u = box_.x; u < box_.x + box_.width; ++u) measure(u, v);
-    }
+    for (int v = box_.y; v < box_.y + box_.height; ++v) measureRow(v);
     loseOutline();
     punchHoles();
     if (random_.chance(params_.cut_share)) cutBottom();
@@ -64,22 +63,40 @@ class Sensor {
   std::size_t at(int u, int v) const { return static_cast<std::size_t>(v) * imager_.width_px + u; }
   void erase(std::size_t i) { image_.depth_mm[i] = image_.objects[i] = 0; }
 
-  void measure(int u, int v) {
+  void measureRow(int v) {
     // Drawn whether needed or not, so that a pixel's noise does not hang on its neighbours' depth.
-    const float du = random_.between(-params_.jitter_px, params_.jitter_px), dv = random_.between(-params_.jitter_px, params_.jitter_px);
-    const float white_px = params_.white_px * random_.normal();
-    const Hit hit = scene_.cast(imager_.camera, pose_, u + du, v + dv);
-    if (hit.object == 0 || hit.cosine < params_.least_cosine) return;
-    if (inShadow(u + du, v + dv, hit.depth_mm)) return;
-    const std::uint16_t depth_mm = quantised(hit.depth_mm, white_px + noise_.at(u, v));
-    image_.depth_mm[at(u, v)] = depth_mm;
-    image_.objects[at(u, v)] = depth_mm == 0 ? 0 : hit.object;
+    for (int i = 0; i < box_.width; ++i) {
+      const float du = random_.between(-params_.jitter_px, params_.jitter_px), dv = random_.between(-params_.jitter_px, params_.jitter_px);
+      row_.looks_at_px[i] = Eigen::Vector2f(static_cast<float>(box_.x + i) + du, static_cast<float>(v) + dv);
+      row_.noise_px[i] = params_.white_px * random_.normal() + noise_.at(box_.x + i, v);
+    }
+    scene_.cast(imager_.camera, pose_, {row_.looks_at_px.data(), row_.looks_at_px.size()}, {row_.hits.data(), row_.hits.size()});
+    keepSeenFrontally();
+    const std::size_t seen = row_.seen.size();
+    scene_.findBlocked(pose_, {row_.points_mm.data(), seen}, Vector3f(params_.baseline_mm, 0, 0), {row_.shadowed.data(), seen});
+    for (std::size_t k = 0; k < seen; ++k) {
+      if (row_.shadowed[k] == 0) set(at(box_.x + row_.seen[k], v), row_.hits[row_.seen[k]], row_.noise_px[row_.seen[k]]);
+    }
   }
 
-  bool inShadow(float u, float v, float depth_mm) const {
+  void keepSeenFrontally() {
+    row_.seen.clear();
+    row_.points_mm.clear();
     const Camera& c = imager_.camera;
-    const Vector3f point((u * 65536 - c.cx_q16) / c.fx_q16 * depth_mm, (v * 65536 - c.cy_q16) / c.fy_q16 * depth_mm, depth_mm);
-    return scene_.blocked(pose_, point, Vector3f(params_.baseline_mm, 0, 0));
+    for (int i = 0; i < box_.width; ++i) {
+      const Hit& hit = row_.hits[i];
+      if (hit.object == 0 || hit.cosine < params_.least_cosine) continue;
+      const Eigen::Vector2f& p = row_.looks_at_px[i];
+      row_.seen.push_back(i);
+      row_.points_mm.emplace_back((p.x() * 65536 - c.cx_q16) / c.fx_q16 * hit.depth_mm, (p.y() * 65536 - c.cy_q16) / c.fy_q16 * hit.depth_mm,
+                                  hit.depth_mm);
+    }
+  }
+
+  void set(std::size_t pixel, const Hit& hit, float noise_px) {
+    const std::uint16_t depth_mm = quantised(hit.depth_mm, noise_px);
+    image_.depth_mm[pixel] = depth_mm;
+    image_.objects[pixel] = depth_mm == 0 ? 0 : hit.object;
   }
 
   std::uint16_t quantised(float depth_mm, float noise_px) const {
@@ -87,6 +104,17 @@ class Sensor {
     const float steps = std::round((focal_baseline / depth_mm + noise_px) * params_.steps_per_px);
     const float measured_mm = steps > 0 ? std::round(focal_baseline * params_.steps_per_px / steps) : 0;
     return measured_mm <= 65535 ? static_cast<std::uint16_t>(measured_mm) : 0;
+  }
+
+  /// As DepthImage::setPixels(), faster.
+  std::vector<std::uint32_t> pixelsInBox() const {
+    std::vector<std::uint32_t> pixels;
+    for (int v = box_.y; v < box_.y + box_.height; ++v) {
+      for (std::size_t i = at(box_.x, v); i < at(box_.x + box_.width, v); ++i) {
+        if (image_.depth_mm[i] != 0) pixels.push_back(static_cast<std::uint32_t>(i));
+      }
+    }
+    return pixels;
   }
 
   bool onOutline(int u, int v) const {
@@ -108,7 +136,7 @@ class Sensor {
   }
 
   void punchHoles() {
-    const std::vector<std::uint32_t> pixels = image_.setPixels();
+    const std::vector<std::uint32_t> pixels = pixelsInBox();
     const int holes = random_.below(params_.most_holes + 1);
     for (int i = 0; i < holes && !pixels.empty(); ++i) {
       const std::uint32_t centre = pixels[random_.below(static_cast<int>(pixels.size()))];
@@ -127,12 +155,23 @@ class Sensor {
   }
 
   void cutBottom() {
-    const std::vector<std::uint32_t> pixels = image_.setPixels();
+    const std::vector<std::uint32_t> pixels = pixelsInBox();
     if (pixels.empty()) return;
     const int first = static_cast<int>(pixels.front() / imager_.width_px), last = static_cast<int>(pixels.back() / imager_.width_px);
     const int rows = static_cast<int>(std::lround(random_.between(params_.cut_least, params_.cut_most) * (last - first + 1)));
     for (std::size_t i = at(0, last + 1 - rows); i < at(0, last + 1); ++i) erase(i);
   }
+
+  /// A row of the box in the making; the last three only hold what was seen.
+  struct Row {
+    explicit Row(std::size_t width = 0) : looks_at_px(width), noise_px(width), hits(width), shadowed(width) {}
+    std::vector<Eigen::Vector2f> looks_at_px;
+    std::vector<float> noise_px;
+    std::vector<Hit> hits;
+    std::vector<int> seen;
+    std::vector<Vector3f> points_mm;
+    std::vector<std::uint8_t> shadowed;
+  };
 
   const RayScene& scene_;
   const Imager& imager_;
@@ -141,6 +180,7 @@ class Sensor {
   Random random_;
   PixelBox box_;
   CorrelatedNoise noise_;
+  Row row_;
   DepthImage image_;
 };
 
