@@ -11,6 +11,7 @@
 #include "depth_file.h"
 #include "evaluate_segmentation.h"
 #include "scene_json.h"
+#include "settings.h"
 
 namespace voxid::cli {
 namespace {
@@ -22,38 +23,6 @@ struct Options {
   std::string labels, plot, evaluate;
   bool json = false, timing = false;
 };
-
-Status apply(const std::string& setting, SegmentParams& params) {
-  const std::size_t equals = setting.find('=');
-  const std::string name = setting.substr(0, equals);
-  std::string names;
-  Status status;
-  bool known = false;
-  visitParams(params, [&](const char* param, int& value, int least, int most) {
-    names += std::string(names.empty() ? "" : ", ") + param;
-    if (name != param) return;
-    known = true;
-    int number = 0;
-    if (equals != std::string::npos && CLI::detail::lexical_cast(setting.substr(equals + 1), number) &&
-        number >= least && number <= most) {
-      value = number;
-    } else {
-      status = Status::badUse("--set " + setting + ": expected " + name + "=N with N from " + std::to_string(least) +
-                              " to " + std::to_string(most));
-    }
-  });
-  if (!known) return Status::badUse("--set " + setting + ": no such parameter; there are " + names);
-  return status;
-}
-
-Result<SegmentParams> paramsOf(const Options& options) {
-  SegmentParams params;
-  for (const std::string& setting : options.settings) {
-    const Status status = apply(setting, params);
-    if (!status.ok()) return status;
-  }
-  return params;
-}
 
 void printForPeople(const std::string& file, const Scene& scene) {
   std::printf("%s: %s, %s\n", file.c_str(), nameOf(scene.status), sentenceOf(scene.status));
@@ -124,12 +93,13 @@ Status evaluate(const Options& options, const SegmentParams& params) {
 }
 
 Status run(const Options& options) {
-  const Result<SegmentParams> params = paramsOf(options);
-  if (!params.ok()) return params.status;
-  if (!options.evaluate.empty()) return evaluate(options, params.value);
+  SegmentParams params;
+  const Status set = applySettings(options.settings, params);
+  if (!set.ok()) return set;
+  if (!options.evaluate.empty()) return evaluate(options, params);
   if (options.files.empty())
     return Status::badUse("segment: no depth image given; expected FILES or --evaluate DIR, see --help");
-  return segmentFiles(options, params.value);
+  return segmentFiles(options, params);
 }
 
 }  // namespace

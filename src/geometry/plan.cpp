@@ -35,6 +35,7 @@ Eigen::Vector3d cross3(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 std::size_t convexHull(Span<const Point2> sorted, Point2* hull) {
   std::size_t size = 0;
   const auto add = [&](Point2 p, std::size_t base) {
+    if (size > 0 && p.x == hull[size - 1].x && p.y == hull[size - 1].y) return;
     while (size >= base + 2 && cross(hull[size - 2], hull[size - 1], p) <= 0) --size;
     hull[size++] = p;
   };

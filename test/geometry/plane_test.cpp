@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "plane.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "geometry/rendered.h"
+
+namespace voxid {
+namespace {
+
+TEST(InverseDepth, HasTheSameValueForBothUnits) {
+  test::Image image{5, 1, {0, 300, 1234, 9999, 10001}, Camera::fromPixels(525, 525, 2, 0)};
+  const std::vector<float> metres = test::metresOf(image);
+  InverseDepth from_mm, from_m;
+  invert(image.view(), 300, 10000, from_mm);
+  invert(test::viewOf(metres, image), 300, 10000, from_m);
+  EXPECT_EQ(from_mm.values, from_m.values);
+  EXPECT_EQ(from_mm.valid, 3u);
+  EXPECT_EQ(from_m.valid, 3u);
+  EXPECT_EQ(from_mm.values[2], std::lround(256e6 / 1234));
+  EXPECT_EQ(from_mm.values[0], 0);
+  EXPECT_EQ(from_mm.values[4], 0);
+  EXPECT_NEAR(depthUmOf(from_mm.values[2]), 1234000, 4);
+}
+
+TEST(MetricPlane, IsTheInversePlaneInSpace) {
+  const Camera camera = Camera::fromPixels(500, 500, 320, 240);
+  // The plane z = 2 m.
+  const MetricPlane wall = metricOf({0, 0, 500.0 * kUnitsPerKm}, camera);
+  EXPECT_NEAR(wall.distance_m, 2, 1e-9);
+  EXPECT_NEAR((wall.normal - Eigen::Vector3d(0, 0, -1)).norm(), 0, 1e-9);
+}
+
+TEST(PlaneFinder, FindsTheRenderedTable) {
+  const test::View view;
+  const test::Image image = test::render(view, {{0, 0.7, 0.2, 0.15, 0.1}, {-0.25, 0.6, 0.1, 0.1, 0.2}});
+  InverseDepth inverse;
+  invert(image.view(), 300, 2500, inverse);
+  InversePlane plane;
+  PlaneSums sums;
+  ASSERT_TRUE(PlaneFinder().find(inverse, image.camera, SegmentParams{}, plane, sums));
+  const MetricPlane metric = metricOf(plane, image.camera);
+  EXPECT_NEAR(metric.distance_m, 0.6, 0.0005);
+  EXPECT_GT(metric.normal.dot(test::inCamera(view, 0, 0, 1) - test::inCamera(view, 0, 0, 0)),
+            std::cos(0.05 * test::kRadian));
+}
+
+TEST(PlaneFinder, PrefersATableToTheFloorBelowIt) {
+  test::View room;  // floor, seen from 1.35 m; the table's plate is a box 0.75 m high
+  room.camera_height_m = 1.35;
+  room.left_m = -3;
+  room.right_m = 3;
+  room.near_m = 0.2;
+  room.far_m = 5;
+  const test::Image image = test::render(room, {{0, 0.8, 0.6, 0.5, 0.75}});
+  InverseDepth inverse;
+  invert(image.view(), 300, 4000, inverse);
+  InversePlane plane;
+  PlaneSums sums;
+  ASSERT_TRUE(PlaneFinder().find(inverse, image.camera, SegmentParams{}, plane, sums));
+  EXPECT_NEAR(metricOf(plane, image.camera).distance_m, 0.6, 0.005);
+}
+
+}  // namespace
+}  // namespace voxid
