@@ -6,6 +6,7 @@
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -218,7 +219,14 @@ Result<Mesh> receiveFrom(pid_t child, int pipe, const MeshReaderLimits& limits) 
   return Status::cannotDo("Assimp " + ending);
 }
 
-bool readableFile(const std::string& path) { return std::ifstream(path).good(); }
+/// Not a pipe or a device: opening those could wait for ever.
+Status checkRegularFile(const std::string& path) {
+  struct stat about {};
+  if (::stat(path.c_str(), &about) != 0) return Status::cannotDo(path + ": " + std::strerror(errno));
+  if (!S_ISREG(about.st_mode)) return Status::cannotDo(path + " is no file");
+  if (::access(path.c_str(), R_OK) != 0) return Status::cannotDo(path + ": " + std::strerror(errno));
+  return {};
+}
 
 }  // namespace
 
@@ -229,7 +237,8 @@ bool isMeshFile(const std::string& name) {
 }
 
 Result<Mesh> readByAssimp(const std::string& path, const MeshReaderLimits& limits) {
-  if (!readableFile(path)) return Status::cannotDo(path + ": " + std::strerror(errno));
+  const Status readable = checkRegularFile(path);
+  if (!readable.ok()) return readable;
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0) return Status::cannotDo(std::string("no pipe: ") + std::strerror(errno));
   const pid_t child = ::fork();
@@ -245,8 +254,11 @@ Result<Mesh> readByAssimp(const std::string& path, const MeshReaderLimits& limit
 }
 
 Result<Mesh> readMesh(const std::string& path, const MeshReaderLimits& limits) {
-  Result<Mesh> mesh = extensionOf(path) == "ply" ? readPly(path) : readByAssimp(path, limits);
-  const bool foreign_ply = extensionOf(path) == "ply" && mesh.status.kind == Status::Kind::CannotDo && readableFile(path);
+  const Status readable = checkRegularFile(path);
+  if (!readable.ok()) return readable;
+  const bool ply = extensionOf(path) == "ply";
+  Result<Mesh> mesh = ply ? readPly(path) : readByAssimp(path, limits);
+  const bool foreign_ply = ply && mesh.status.kind == Status::Kind::CannotDo;
   if (foreign_ply) mesh = readByAssimp(path, limits);
   if (!mesh.ok()) return mesh;
   const Status status = keepRenderable(mesh.value);
