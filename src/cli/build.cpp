@@ -67,7 +67,7 @@ void printSkipped(const BuildReport& report) {
 }
 
 void printDone(const BuildReport& report, const std::string& out) {
-  std::fprintf(stderr, "voxid: %s: %d views of %d models in %d categories, %llu bytes; %zu models skipped\n", out.c_str(), report.views,
+  std::fprintf(stderr, "voxid: %s: %d views of %d models in %d categories, %llu bytes; %zu skipped\n", out.c_str(), report.views,
                report.models, report.categories, static_cast<unsigned long long>(report.bytes), report.skipped.size());
 }
 
