@@ -40,7 +40,8 @@ void ClassificationNodelet::onInit() {
   config_ = std::make_unique<dynamic_reconfigure::Server<ClassificationConfig>>(getPrivateNodeHandle());
   config_->setCallback([this](ClassificationConfig& config, std::uint32_t) { onConfig(config); });
   startTransforms();
-  watch_.start(getPrivateNodeHandle().param<std::string>("index", ""), getPrivateNodeHandle().param("watch_index", true));
+  watch_.start(getPrivateNodeHandle().param<std::string>("index", ""),
+               getPrivateNodeHandle().param("watch_index", true));
   followIndex(watch_.index() != nullptr);
 
   frames_ = std::make_unique<message_filters::Synchronizer<Frame>>(Frame(8), image_, info_, segments_);
@@ -71,8 +72,8 @@ void ClassificationNodelet::onListeners() {
   }
 }
 
-void ClassificationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info,
-                                    const SegmentsConstPtr& segments) {
+void ClassificationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image,
+                                    const sensor_msgs::CameraInfoConstPtr& info, const SegmentsConstPtr& segments) {
   const Stopwatch watch;
   followIndex(watch_.refresh());
   const auto objects = objectsFor(*image, *segments);

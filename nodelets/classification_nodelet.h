@@ -21,9 +21,9 @@
 
 namespace voxid {
 
-/// depth/image_raw + depth/camera_info + segments of one stamp -> objects, one message a frame. Parameters: ~index (path
-/// of a .vxi file), ~watch_index (true: a replaced file is used within a second), ~target_frame (empty: poses stay in the
-/// camera's frame).
+/// depth/image_raw + depth/camera_info + segments of one stamp -> objects, one message a frame. Parameters: ~index
+/// (path of a .vxi file), ~watch_index (true: a replaced file is used within a second), ~target_frame (empty: poses
+/// stay in the camera's frame).
 class ClassificationNodelet : public nodelet::Nodelet {
  protected:
   virtual void onFrame(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info,
@@ -37,7 +37,8 @@ class ClassificationNodelet : public nodelet::Nodelet {
   void onConfig(const ClassificationConfig& config);
   void startTransforms();
   void followIndex(bool replaced);
-  Result<DepthView> viewFor(const sensor_msgs::Image& image, const sensor_msgs::CameraInfo& info, const Segments& segments);
+  Result<DepthView> viewFor(const sensor_msgs::Image& image, const sensor_msgs::CameraInfo& info,
+                            const Segments& segments);
   void nameAll(const DepthView& depth, const Segments& segments, Objects* objects);
   void moveToTarget(Objects* objects);
   void report(const Objects& objects, const Status& input);

@@ -30,9 +30,11 @@ Result<DepthUnit> unitOf(const std::string& encoding) {
 
 Status checkPixels(const sensor_msgs::Image& image, DepthUnit unit) {
   if (image.is_bigendian != kHostIsBigEndian)
-    return Status::badUse("depth image has its bytes in big-endian order, expected little-endian: let the driver swap them");
+    return Status::badUse(
+        "depth image has its bytes in big-endian order, expected little-endian: let the driver swap them");
   const std::size_t row_bytes = image.width * bytesPerPixel(unit);
-  if (image.step < row_bytes || image.data.size() < std::size_t{image.step} * image.height || image.step % bytesPerPixel(unit))
+  if (image.step < row_bytes || image.data.size() < std::size_t{image.step} * image.height ||
+      image.step % bytesPerPixel(unit))
     return Status::badUse("depth image of " + sizeText(image.width, image.height) + " has " +
                           std::to_string(image.data.size()) + " bytes in rows of " + std::to_string(image.step) +
                           ", expected rows of at least " + std::to_string(row_bytes) + ": the publisher is broken");
@@ -180,7 +182,8 @@ void fillSegments(const Scene& scene, int width_px, int height_px, Segments* mes
 }
 
 bool fit(const Segments& segments, const DepthView& depth) {
-  if (static_cast<int>(segments.width) != depth.width_px || static_cast<int>(segments.height) != depth.height_px) return false;
+  if (static_cast<int>(segments.width) != depth.width_px || static_cast<int>(segments.height) != depth.height_px)
+    return false;
   const std::uint32_t pixels = segments.width * segments.height;
   for (const Segment& segment : segments.segments)
     for (const std::uint32_t pixel : segment.pixels)
@@ -267,20 +270,34 @@ const char* statusName(std::uint8_t status) {
 
 std::string statusText(std::uint8_t status) {
   switch (static_cast<SceneStatus>(status)) {
-    case SceneStatus::Ok: return "objects found";
-    case SceneStatus::NoDepth: return "no pixel lies between min_depth_mm and max_depth_mm: is the camera covered or too near?";
-    case SceneStatus::NoTable: return "no plane with at least min_table_pixels pixels: point the camera at the table";
-    case SceneStatus::EmptyTable: return "a table, and nothing on it";
-    case SceneStatus::NoTransform: return "tf2 does not know the target frame at the stamp: poses stay in the camera's frame";
-    case SceneStatus::NoIndex: return "objects found, but no index is loaded: labels are empty";
-    case SceneStatus::BadInput: return "depth image and camera_info do not fit together";
+    case SceneStatus::Ok:
+      return "objects found";
+    case SceneStatus::NoDepth:
+      return "no pixel lies between min_depth_mm and max_depth_mm: is the camera covered or too near?";
+    case SceneStatus::NoTable:
+      return "no plane with at least min_table_pixels pixels: point the camera at the table";
+    case SceneStatus::EmptyTable:
+      return "a table, and nothing on it";
+    case SceneStatus::NoTransform:
+      return "tf2 does not know the target frame at the stamp: poses stay in the camera's frame";
+    case SceneStatus::NoIndex:
+      return "objects found, but no index is loaded: labels are empty";
+    case SceneStatus::BadInput:
+      return "depth image and camera_info do not fit together";
   }
   return "unknown status";
 }
 
 std::array<std::uint8_t, 3> colourOf(int id) {
   static constexpr std::array<std::array<std::uint8_t, 3>, 8> kColours{{
-      {230, 80, 60}, {60, 160, 230}, {90, 200, 90}, {240, 180, 40}, {170, 100, 220}, {40, 200, 200}, {240, 120, 180}, {160, 160, 60},
+      {230, 80, 60},
+      {60, 160, 230},
+      {90, 200, 90},
+      {240, 180, 40},
+      {170, 100, 220},
+      {40, 200, 200},
+      {240, 120, 180},
+      {160, 160, 60},
   }};
   return kColours[static_cast<std::size_t>(id < 1 ? 0 : id - 1) % kColours.size()];
 }

@@ -21,8 +21,8 @@
 
 namespace voxid {
 
-/// The message's pixels as they lie, no copy; valid while the message lives. BadUse, with the reason, for an encoding that
-/// is neither 16UC1 (also written mono16) nor 32FC1, foreign byte order, data shorter than its size says, and a
+/// The message's pixels as they lie, no copy; valid while the message lives. BadUse, with the reason, for an encoding
+/// that is neither 16UC1 (also written mono16) nor 32FC1, foreign byte order, data shorter than its size says, and a
 /// camera_info of another size or without focal lengths.
 Result<DepthView> viewOf(const sensor_msgs::Image& image, const sensor_msgs::CameraInfo& info);
 
@@ -48,8 +48,8 @@ Object objectOf(const Segment& segment);
 void fillAnswer(const Answer& answer, const Index& index, Object* object);
 
 /// Covariance of a box pose, row-major, position first, in the axes of the frame that the pose is in: the position is
-/// somewhere in the box (half extent squared / 3 along each axis), the rotation about the box's z (the table's normal) is
-/// unknown (pi^2 / 3), the tilt is taken as one degree.
+/// somewhere in the box (half extent squared / 3 along each axis), the rotation about the box's z (the table's normal)
+/// is unknown (pi^2 / 3), the tilt is taken as one degree.
 std::array<double, 36> covarianceOf(const Eigen::Quaterniond& box_axes, const Eigen::Vector3d& extents_m);
 
 /// Moves the table and every object into another frame. distance_m stays: the camera's height above the table.

@@ -25,7 +25,8 @@ cv::Vec3b bgrOf(int id) {
 // Even steps of inverse depth are even steps of grey: the table's slope shows near and far alike. Black: no depth.
 std::uint8_t greyOf(std::int32_t depth_um) {
   if (depth_um <= 0) return 0;
-  const double nearness = 1.0 / std::clamp(depth_um, kNear_um, kFar_um), nearest = 1.0 / kNear_um, farthest = 1.0 / kFar_um;
+  const double nearness = 1.0 / std::clamp(depth_um, kNear_um, kFar_um), nearest = 1.0 / kNear_um,
+               farthest = 1.0 / kFar_um;
   return static_cast<std::uint8_t>(40 + 200 * std::sqrt((nearness - farthest) / (nearest - farthest)));
 }
 
@@ -39,7 +40,8 @@ cv::Mat greyImage(const DepthView& depth) {
 void tint(const Segment& segment, cv::Mat* image) {
   const cv::Vec3b colour = bgrOf(segment.id);
   for (const std::uint32_t pixel : segment.pixels) {
-    cv::Vec3b& there = image->at<cv::Vec3b>(static_cast<int>(pixel) / image->cols, static_cast<int>(pixel) % image->cols);
+    cv::Vec3b& there =
+        image->at<cv::Vec3b>(static_cast<int>(pixel) / image->cols, static_cast<int>(pixel) % image->cols);
     for (int c = 0; c < 3; ++c) there[c] = cv::saturate_cast<std::uint8_t>(there[c] * 0.35 + colour[c] * 0.65);
   }
 }
@@ -114,7 +116,8 @@ Marker outlineOf(const Objects& objects) {
 }
 
 bool isThere(const Objects& objects, int id) {
-  return std::any_of(objects.objects.begin(), objects.objects.end(), [id](const Object& object) { return object.id == id; });
+  return std::any_of(objects.objects.begin(), objects.objects.end(),
+                     [id](const Object& object) { return object.id == id; });
 }
 
 }  // namespace

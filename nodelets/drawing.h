@@ -20,8 +20,8 @@ std::string captionOf(const Object& object);
 cv::Mat drawOverlay(const DepthView& depth, const Segments& segments, const Objects& objects);
 
 /// Boxes (namespace "box", CUBE), captions ("label", TEXT_VIEW_FACING) by object id, and the table's outline ("table",
-/// LINE_STRIP, id 0) in the frame of `objects`. What the `previous_ids` objects of the message before had and this one has
-/// not is deleted.
+/// LINE_STRIP, id 0) in the frame of `objects`. What the `previous_ids` objects of the message before had and this one
+/// has not is deleted.
 visualization_msgs::MarkerArray markersOf(const Objects& objects, const std::vector<std::uint16_t>& previous_ids);
 
 }  // namespace voxid

@@ -18,7 +18,8 @@ void Health::start(ros::NodeHandle& node, ros::NodeHandle& private_node, const s
   updater_ = std::make_unique<diagnostic_updater::Updater>(node, private_node, name);
   updater_->setHardwareID("none");
   updater_->add("frames", this, &Health::publish);
-  timer_ = private_node.createWallTimer(ros::WallDuration(1), [this](const ros::WallTimerEvent&) { updater_->force_update(); });
+  timer_ = private_node.createWallTimer(ros::WallDuration(1),
+                                        [this](const ros::WallTimerEvent&) { updater_->force_update(); });
 }
 
 void Health::listening(bool somebody) {

@@ -9,8 +9,10 @@ namespace {
 constexpr double kRetry_s = 10;  // liblcm itself prints several lines at each failure
 
 std::string remedy(const std::string& url) {
-  return "cannot send over LCM at '" + url + "': without a network there is no multicast route "
-         "(ip link set lo up; ip route add 224.0.0.0/4 dev lo); a url looks like " + LcmBridgeNodelet::kDefaultUrl;
+  return "cannot send over LCM at '" + url +
+         "': without a network there is no multicast route "
+         "(ip link set lo up; ip route add 224.0.0.0/4 dev lo); a url looks like " +
+         LcmBridgeNodelet::kDefaultUrl;
 }
 
 }  // namespace

@@ -84,13 +84,12 @@ bool fits(const object_list_t& list) { return list.getEncodedSize() <= kMaxLcmBy
 std::array<double, 36> swapHalves(const std::array<double, 36>& covariance) {
   std::array<double, 36> swapped;
   for (int row = 0; row < 6; ++row)
-    for (int column = 0; column < 6; ++column) swapped[6 * ((row + 3) % 6) + (column + 3) % 6] = covariance[6 * row + column];
+    for (int column = 0; column < 6; ++column)
+      swapped[6 * ((row + 3) % 6) + (column + 3) % 6] = covariance[6 * row + column];
   return swapped;
 }
 
-std::int64_t microsecondsOf(const ros::Time& stamp) {
-  return std::int64_t{stamp.sec} * 1000000 + stamp.nsec / 1000;
-}
+std::int64_t microsecondsOf(const ros::Time& stamp) { return std::int64_t{stamp.sec} * 1000000 + stamp.nsec / 1000; }
 
 object_list_t toLcm(const Objects& objects) {
   object_list_t list{};
@@ -102,7 +101,8 @@ object_list_t toLcm(const Objects& objects) {
   list.table_distance_m = objects.table.distance_m;
   setOutline(objects.table.outline, &list);
   setObjects(objects, kMaxObjects, kMaxAlternatives, &list);
-  for (std::size_t most = kMaxAlternatives; !fits(list) && most > 0; --most) setObjects(objects, kMaxObjects, most - 1, &list);
+  for (std::size_t most = kMaxAlternatives; !fits(list) && most > 0; --most)
+    setObjects(objects, kMaxObjects, most - 1, &list);
   for (std::size_t most = list.objects.size(); !fits(list) && most > 0; --most) setObjects(objects, most - 1, 0, &list);
   return list;
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "overlay_nodelet.h"
 
-#include <boost/bind/bind.hpp>
 #include <cv_bridge/cv_bridge.h>
-#include <pluginlib/class_list_macros.hpp>
 #include <sensor_msgs/image_encodings.h>
+#include <boost/bind/bind.hpp>
+#include <pluginlib/class_list_macros.hpp>
 
 #include "conversions.h"
 #include "drawing.h"

@@ -23,7 +23,8 @@ namespace voxid {
 class OverlayNodelet : public nodelet::Nodelet {
  private:
   // The target frame of `objects` does not matter: what belongs together has the same stamp.
-  using Frame = message_filters::sync_policies::ExactTime<sensor_msgs::Image, sensor_msgs::CameraInfo, Segments, Objects>;
+  using Frame =
+      message_filters::sync_policies::ExactTime<sensor_msgs::Image, sensor_msgs::CameraInfo, Segments, Objects>;
 
   void onInit() override;
   void onListeners();

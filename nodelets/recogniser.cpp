@@ -10,7 +10,8 @@ Answer Recogniser::recognise(const DepthView& depth, Span<const std::uint32_t> p
   const Described described = describer_.describe(depth, pixels);
   if (described.status != DescribeStatus::Ok) return {};
   const Nearest& nearest = searchFor(params).find(described.bins.data());
-  return classify(*index_, nearest, params.vote ? ClassifyMethod::Vote : ClassifyMethod::OneNn, params.min_score_permille);
+  return classify(*index_, nearest, params.vote ? ClassifyMethod::Vote : ClassifyMethod::OneNn,
+                  params.min_score_permille);
 }
 
 Search& Recogniser::searchFor(const ClassifyParams& params) {

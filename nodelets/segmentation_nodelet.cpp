@@ -42,7 +42,8 @@ void SegmentationNodelet::onListeners() {
   }
 }
 
-void SegmentationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info) {
+void SegmentationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image,
+                                  const sensor_msgs::CameraInfoConstPtr& info) {
   const Result<DepthView> depth = viewOf(*image, *info);
   const auto segments = segment(depth, image->header);
   segments_.publish(segments);
@@ -51,13 +52,15 @@ void SegmentationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image, const
   health_.reason(depth.ok() ? Health::Level::Ok : Health::Level::Error, depth.status.sentence);
 }
 
-boost::shared_ptr<Segments> SegmentationNodelet::segment(const Result<DepthView>& depth, const std_msgs::Header& header) {
+boost::shared_ptr<Segments> SegmentationNodelet::segment(const Result<DepthView>& depth,
+                                                         const std_msgs::Header& header) {
   const Stopwatch watch;
   const auto segments = boost::make_shared<Segments>();
   segments->header = header;
   segments->status = static_cast<std::uint8_t>(SceneStatus::BadInput);
   if (depth.ok())
-    fillSegments(segmenter_.segment(depth.value, params()), depth.value.width_px, depth.value.height_px, segments.get());
+    fillSegments(segmenter_.segment(depth.value, params()), depth.value.width_px, depth.value.height_px,
+                 segments.get());
   segments->segment_ms = watch.ms();
   return segments;
 }

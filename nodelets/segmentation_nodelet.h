@@ -17,8 +17,8 @@
 
 namespace voxid {
 
-/// depth/image_raw + depth/camera_info -> segments, and cloud if somebody listens to it. A busy nodelet takes the newest
-/// frame next and counts the others as dropped.
+/// depth/image_raw + depth/camera_info -> segments, and cloud if somebody listens to it. A busy nodelet takes the
+/// newest frame next and counts the others as dropped.
 class SegmentationNodelet : public nodelet::Nodelet {
  private:
   using Frame = message_filters::sync_policies::ExactTime<sensor_msgs::Image, sensor_msgs::CameraInfo>;

@@ -8,7 +8,9 @@ namespace voxid {
 /// Time since construction.
 class Stopwatch {
  public:
-  float ms() const { return std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start_).count(); }
+  float ms() const {
+    return std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start_).count();
+  }
 
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The same consumer on ROS: prints what /voxid/objects says. Start: rosrun voxid objects_listener.py [objects:=/voxid/objects]"""
+"""The same consumer on ROS: prints what /voxid/objects says. Start: rosrun voxid objects_listener.py"""
 import rospy
 from voxid.msg import Objects
 

@@ -58,8 +58,8 @@ class Inbox {
  private:
   static void print(std::int64_t utime, const voxid::object_t& object) {
     std::printf("object utime=%lld id=%d label=%s score=%.3f model=%s view=%d position_m=%.3f,%.3f,%.3f\n",
-                static_cast<long long>(utime), object.id, object.label.c_str(), object.score, object.model.c_str(), object.view,
-                object.position_m[0], object.position_m[1], object.position_m[2]);
+                static_cast<long long>(utime), object.id, object.label.c_str(), object.score, object.model.c_str(),
+                object.view, object.position_m[0], object.position_m[1], object.position_m[2]);
   }
 
   const voxid::object_t* nearestWanted(const voxid::object_list_t& list) const {
@@ -84,15 +84,20 @@ int main(int argc, char** argv) {
   }
   lcm::LCM lcm(options.url);
   if (!lcm.good()) {
-    std::fprintf(stderr, "voxid_planner_inbox: cannot listen at %s: is there a multicast route? (ip route add 224.0.0.0/4 dev lo)\n",
-                 options.url.c_str());
+    std::fprintf(
+        stderr,
+        "voxid_planner_inbox: cannot listen at %s: is there a multicast route? (ip route add 224.0.0.0/4 dev lo)\n",
+        options.url.c_str());
     return 1;
   }
   Inbox inbox(options.label);
   lcm.subscribe("VOXID_OBJECTS", &Inbox::onObjects, &inbox);
   const auto start = std::chrono::steady_clock::now();
-  const auto elapsed_s = [start] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
-  while (elapsed_s() < options.seconds && (options.count == 0 || inbox.messages < options.count)) lcm.handleTimeout(100);
+  const auto elapsed_s = [start] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  while (elapsed_s() < options.seconds && (options.count == 0 || inbox.messages < options.count))
+    lcm.handleTimeout(100);
   std::printf("received=%ld\n", inbox.messages);
   return inbox.messages > 0 ? 0 : 1;
 }

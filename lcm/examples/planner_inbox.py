@@ -40,9 +40,11 @@ def join(url):
     s.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, int(parse_qs(parts.query).get("recv_buf_size", ["1048576"])[0]))
     s.bind((parts.hostname, parts.port))
     try:
-        s.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, struct.pack("4sl", socket.inet_aton(parts.hostname), socket.INADDR_ANY))
+        group = struct.pack("4sl", socket.inet_aton(parts.hostname), socket.INADDR_ANY)
+        s.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group)
     except OSError as error:
-        sys.exit(f"planner_inbox.py: cannot join {url}: {error}; is there a multicast route? (ip route add 224.0.0.0/4 dev lo)")
+        sys.exit(f"planner_inbox.py: cannot join {url}: {error}; is there a multicast route? "
+                 "(ip route add 224.0.0.0/4 dev lo)")
     return s
 
 
@@ -73,8 +75,9 @@ def distance_m(o):
 
 def show(objects, wanted):
     for o in objects.objects:
-        print(f"object utime={objects.utime} id={o.id} label={o.label} score={o.score:.3f} model={o.model} view={o.view} "
-              f"position_m={o.position_m[0]:.3f},{o.position_m[1]:.3f},{o.position_m[2]:.3f}")
+        position = ",".join(f"{x:.3f}" for x in o.position_m)
+        print(f"object utime={objects.utime} id={o.id} label={o.label} score={o.score:.3f} model={o.model} "
+              f"view={o.view} position_m={position}")
     nearest = min((o for o in objects.objects if wanted in ("", o.label)), key=distance_m, default=None)
     if nearest:
         print(f"grasp id={nearest.id} label={nearest.label} distance_m={distance_m(nearest):.3f}")

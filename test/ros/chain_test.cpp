@@ -57,7 +57,8 @@ boost::shared_ptr<nodelet::Nodelet> create(const std::string& type) {
   return boost::make_shared<OverlayNodelet>();
 }
 
-/// Segmentation, classification and overlay in a namespace of the test's own, and a camera that shows what it is told to.
+/// Segmentation, classification and overlay in a namespace of the test's own, and a camera that shows what it is told
+/// to.
 class Chain : public testing::Test {
  protected:
   Chain()

@@ -86,7 +86,7 @@ TEST(ToLcm, EveryFieldArrivesInLcmOrder) {
   EXPECT_EQ(o.view, 42);
   EXPECT_EQ(std::vector<double>(o.position_m, o.position_m + 3), (std::vector<double>{1, 2, 3}));
   EXPECT_EQ(std::vector<double>(o.quat_wxyz, o.quat_wxyz + 4), (std::vector<double>{0.5, -0.5, 0.5, 0.5}));
-  EXPECT_EQ(o.covariance[0], 21);   // rotation x, rotation x: ROS's row 3, column 3
+  EXPECT_EQ(o.covariance[0], 21);  // rotation x, rotation x: ROS's row 3, column 3
   EXPECT_EQ(o.covariance[1], 22);
   EXPECT_EQ(o.covariance[3], 18);   // rotation x, position x
   EXPECT_EQ(o.covariance[18], 3);   // position x, rotation x
@@ -129,9 +129,9 @@ TEST(Covariance, FollowsTheBox) {
   // The box's x, 0.6 m long, lies along the frame's y.
   const Eigen::Quaterniond turned(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()));
   const auto c = covarianceOf(turned, {0.6, 0.2, 0.1});
-  EXPECT_NEAR(c[0], 0.01 / 3, 1e-12);       // x: half extent 0.1
-  EXPECT_NEAR(c[7], 0.09 / 3, 1e-12);       // y: half extent 0.3
-  EXPECT_NEAR(c[14], 0.0025 / 3, 1e-12);    // z: half extent 0.05
+  EXPECT_NEAR(c[0], 0.01 / 3, 1e-12);     // x: half extent 0.1
+  EXPECT_NEAR(c[7], 0.09 / 3, 1e-12);     // y: half extent 0.3
+  EXPECT_NEAR(c[14], 0.0025 / 3, 1e-12);  // z: half extent 0.05
   EXPECT_NEAR(c[35], M_PI * M_PI / 3, 1e-12);
   EXPECT_NEAR(c[21], std::pow(M_PI / 180, 2), 1e-12);
   EXPECT_NEAR(c[1], 0, 1e-12);
@@ -161,7 +161,7 @@ TEST(Transform, MovesTableAndObjects) {
   EXPECT_NEAR(pose.orientation.x, std::sqrt(0.5), 1e-12);
   EXPECT_NEAR(pose.orientation.w, std::sqrt(0.5), 1e-12);
   EXPECT_NEAR(objects.objects[0].centroid.y, -6, 1e-12);
-  EXPECT_NEAR(objects.objects[0].pose.covariance[7], 0.15 * 0.15 / 3, 1e-12);         // the box's z lies along y now
+  EXPECT_NEAR(objects.objects[0].pose.covariance[7], 0.15 * 0.15 / 3, 1e-12);   // the box's z lies along y now
   EXPECT_NEAR(objects.objects[0].pose.covariance[28], M_PI * M_PI / 3, 1e-12);  // and so does the unknown turn
 }
 
@@ -201,12 +201,15 @@ TEST(ViewOf, RefusesWithOneSentence) {
   };
   using sensor_msgs::CameraInfo;
   using sensor_msgs::Image;
-  const auto has = [](const std::string& sentence, const std::string& part) { return sentence.find(part) != std::string::npos; };
+  const auto has = [](const std::string& sentence, const std::string& part) {
+    return sentence.find(part) != std::string::npos;
+  };
   EXPECT_TRUE(has(refused([](Image& i, CameraInfo&) { i.encoding = "bgr8"; }), "encoding 'bgr8', expected 16UC1"));
   EXPECT_TRUE(has(refused([](Image& i, CameraInfo&) { i.is_bigendian = 1; }), "big-endian"));
   EXPECT_TRUE(has(refused([](Image& i, CameraInfo&) { i.data.resize(100); }), "has 100 bytes"));
   EXPECT_TRUE(has(refused([](Image& i, CameraInfo&) { i.step = 319; }), "rows of 319"));
-  EXPECT_TRUE(has(refused([](Image&, CameraInfo& c) { c.width = 640; }), "camera_info is for 640 x 240, the depth image is 320 x 240"));
+  EXPECT_TRUE(has(refused([](Image&, CameraInfo& c) { c.width = 640; }),
+                  "camera_info is for 640 x 240, the depth image is 320 x 240"));
   EXPECT_TRUE(has(refused([](Image&, CameraInfo& c) { c.K[0] = 0; }), "no usable focal length"));
 }
 

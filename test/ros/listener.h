@@ -18,7 +18,9 @@ class Listener {
  public:
   using Ptr = boost::shared_ptr<const M>;
 
-  Listener(ros::NodeHandle node, const std::string& topic) { subscriber_ = node.subscribe(topic, 20, &Listener::on, this); }
+  Listener(ros::NodeHandle node, const std::string& topic) {
+    subscriber_ = node.subscribe(topic, 20, &Listener::on, this);
+  }
 
   /// The message of that stamp; null if it has not come in time.
   Ptr wait(const ros::Time& stamp, double seconds) {

@@ -13,7 +13,8 @@
 
 namespace voxid::test {
 
-inline ModelRecord modelOf(const std::string& category, const std::string& name, std::uint32_t synset, const Descriptor& bins) {
+inline ModelRecord modelOf(const std::string& category, const std::string& name, std::uint32_t synset,
+                           const Descriptor& bins) {
   ModelRecord model;
   model.category = category;
   model.name = name;
@@ -40,8 +41,10 @@ inline void writeSceneIndex(const std::string& path, const std::string& box_labe
   content.directions.resize(2);
   content.directions[0] = {{32767, 0, 0}, {0, 32767, 0}, {}};
   content.directions[1] = {{0, 32767, 0}, {0, 0, 32767}, {}};
-  content.models.push_back(modelOf(box_label, "box-7", 2883344, describer.describe(depth, scene.clusters[box_first ? 0 : 1].pixels).bins));
-  content.models.push_back(modelOf("ball", "ball-3", 2778669, describer.describe(depth, scene.clusters[box_first ? 1 : 0].pixels).bins));
+  content.models.push_back(
+      modelOf(box_label, "box-7", 2883344, describer.describe(depth, scene.clusters[box_first ? 0 : 1].pixels).bins));
+  content.models.push_back(
+      modelOf("ball", "ball-3", 2778669, describer.describe(depth, scene.clusters[box_first ? 1 : 0].pixels).bins));
   content.calibration = builtInCalibration();
   const Status written = writeIndex(content, path);
   if (!written.ok()) throw std::runtime_error(written.sentence);

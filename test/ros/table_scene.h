@@ -29,8 +29,8 @@ struct TableScene {
   static constexpr int kWidth = 320, kHeight = 240;
   static constexpr double kFocal_px = 262.5, kCx_px = 159.5, kCy_px = 119.5;
 
-  double height_m = 0.6;    ///< of the camera above the table
-  double down_deg = 40;     ///< how far the camera looks down
+  double height_m = 0.6;  ///< of the camera above the table
+  double down_deg = 40;   ///< how far the camera looks down
   double table_half_m = 0.45, table_centre_y_m = 0.75;
   std::vector<BoxOnTable> boxes{{{-0.15, 0.70, 0.06}, {0.10, 0.08, 0.12}}};
   std::vector<BallOnTable> balls{{{0.15, 0.75, 0.06}, 0.06}};
@@ -59,7 +59,8 @@ struct TableScene {
   static constexpr double kMiss = std::numeric_limits<double>::infinity();
 
   std::uint16_t depthAt(int u, int v) const {
-    const Eigen::Vector3d ray((u - kCx_px) / kFocal_px, (v - kCy_px) / kFocal_px, 1);  // depth 1: the factor is the depth
+    const Eigen::Vector3d ray((u - kCx_px) / kFocal_px, (v - kCy_px) / kFocal_px,
+                              1);  // depth 1: the factor is the depth
     const Eigen::Isometry3d pose = tableFromCamera();
     const Eigen::Vector3d from = pose.translation(), along = pose.linear() * ray;
     double depth = hitTable(from, along);
