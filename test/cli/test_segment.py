@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""voxid segment: what it prints, draws and writes, and how it ends."""
+import pathlib
+
+import cv2
+import numpy as np
+import pytest
+
+MOSD = pathlib.Path("../shared/data/scenes/mosd")
+CAMERA = "525,525,319.5,239.5"
+
+
+def table_mm(height=480, width=640):
+    """A plane 0.6 m below a camera that looks 40 degrees down, whole millimetres."""
+    v = (np.arange(height) - 239.5) / 525
+    down = np.sin(np.radians(40)) + v * np.cos(np.radians(40))
+    depth = np.where(down > 0.4, 600 / np.maximum(down, 0.4), 0)
+    return np.repeat(depth.round().astype(np.uint16)[:, None], width, axis=1)
+
+
+@pytest.fixture
+def empty_table(depth_file):
+    return depth_file("empty.png", table_mm())
+
+
+@pytest.fixture
+def block(depth_file):
+    """A patch that stands 60 to 80 mm before the table's plane."""
+    pixels = table_mm()
+    pixels[200:280, 300:400] -= 70
+    return depth_file("block.png", pixels)
+
+
+def test_json_has_every_field(voxid, scene):
+    frame = voxid("segment", scene, "--json").json
+    assert list(frame) == ["file", "status", "table", "objects", "dropped"]
+    assert frame["file"] == str(scene) and frame["status"] == "OK"
+    assert list(frame["table"]) == ["normal", "distance_m", "outline", "residual_mm", "inliers"]
+    assert np.linalg.norm(frame["table"]["normal"]) == pytest.approx(1, abs=1e-4)
+    for corner in frame["table"]["outline"]:
+        assert np.dot(frame["table"]["normal"], corner) == pytest.approx(-frame["table"]["distance_m"], abs=3e-4)
+    assert len(frame["objects"]) == 2
+    for number, thing in enumerate(frame["objects"], 1):
+        assert list(thing) == ["id", "pixels", "box_px", "centroid_m", "extents_m", "truncated"]
+        assert thing["id"] == number and thing["truncated"] is False
+    assert set(frame["dropped"]) == {"too_few_points", "outside_outline", "too_many"}
+
+
+def test_labels_are_the_objects_pixels(voxid, scene, tmp_path):
+    frame = voxid("segment", scene, "--json", "--labels", tmp_path / "labels").json
+    labels = cv2.imread(str(tmp_path / "labels" / scene.with_suffix(".png").name), cv2.IMREAD_UNCHANGED)
+    assert labels.dtype == np.uint16 and labels.shape == (480, 640)
+    assert set(np.unique(labels)) == {0} | {thing["id"] for thing in frame["objects"]}
+    for thing in frame["objects"]:
+        rows, columns = np.nonzero(labels == thing["id"])
+        assert len(rows) == thing["pixels"]
+        left, top, width, height = thing["box_px"]
+        assert (columns.min(), rows.min(), np.ptp(columns) + 1, np.ptp(rows) + 1) == (left, top, width, height)
+
+
+def test_frames_come_in_order_and_the_run_succeeds_if_one_has_an_object(voxid, empty_table, block):
+    answer = voxid("segment", empty_table, block, empty_table, "--json")
+    assert answer.code == 0
+    assert [frame["status"] for frame in answer.lines] == ["EMPTY_TABLE", "OK", "EMPTY_TABLE"]
+    assert [frame["file"] for frame in answer.lines] == [str(empty_table), str(block), str(empty_table)]
+
+
+def test_nothing_found_ends_with_3_and_still_prints(voxid, empty_table, depth_file):
+    answer = voxid("segment", empty_table, "--json")
+    assert answer.lines[0]["status"] == "EMPTY_TABLE" and answer.lines[0]["table"]["inliers"] > 100000
+    answer.refuses(3, "EMPTY_TABLE", empty_table)
+    answer = voxid("segment", depth_file("black.png", np.zeros((480, 640), np.uint16)), "--json")
+    assert answer.lines[0]["status"] == "NO_DEPTH" and answer.lines[0]["table"] is None
+    answer.refuses(3, "NO_DEPTH")
+    noise = np.random.default_rng(1).integers(400, 2400, (480, 640)).astype(np.uint16)
+    voxid("segment", depth_file("noise.png", noise), "--json").refuses(3, "NO_TABLE")
+
+
+def test_float_metres_give_the_same_objects(voxid, block, depth_file):
+    metres = cv2.imread(str(block), cv2.IMREAD_UNCHANGED).astype(np.float32) / 1000
+    metres[metres == 0] = np.nan
+    from_mm = voxid("segment", block, "--json").json
+    from_m = voxid("segment", depth_file("block.tiff", metres), "--json").json
+    assert from_mm["objects"] and {**from_m, "file": ""} == {**from_mm, "file": ""}
+
+
+def test_twice_the_same_line(voxid, scene):
+    assert voxid("segment", scene, "--json").out == voxid("segment", scene, "--json").out
+
+
+def test_for_people(voxid, block):
+    answer = voxid("segment", block, "--timing")
+    assert answer.code == 0
+    assert "OK" in answer.out and "object 1" in answer.out and "segment_ms" in answer.out
+
+
+def test_settings(voxid, block):
+    voxid("segment", block, "--set", "min_height_mm=100").refuses(3, "EMPTY_TABLE")
+    voxid("segment", block, "--set", "min_height_mm=1").refuses(2, "min_height_mm", "2 to 100")
+    voxid("segment", block, "--set", "min_height_mm=x").refuses(2, "min_height_mm")
+    voxid("segment", block, "--set", "height=8").refuses(2, "height", "min_height_mm")
+
+
+def test_plot(voxid, block, scene, tmp_path):
+    assert voxid("segment", block, "--plot", tmp_path / "one.png").code == 0
+    picture = cv2.imread(str(tmp_path / "one.png"))
+    assert picture.shape == (480, 640, 3)
+    assert np.ptp(picture[200:280, 300:400].astype(int), axis=2).max() > 30  # the object has a colour
+    assert np.ptp(picture[400:, :100].astype(int), axis=2).max() < 10        # the table has none
+    assert voxid("segment", block, scene, "--plot", tmp_path / "many.png").code == 0
+    assert (tmp_path / f"many-{scene.stem}.png").exists() and (tmp_path / "many-block.png").exists()
+    voxid("segment", block, "--plot", tmp_path / "none" / "x.png").refuses(1, "x.png")
+
+
+def test_bad_use(voxid):
+    voxid("segment").refuses(2, "FILES")
+    voxid("segment", "--evaluate", "test").refuses(1, "objects.json")
+
+
+def needs_mosd():
+    if not MOSD.is_dir():
+        pytest.skip(f"{MOSD} is not there: no real scenes")
+
+
+def test_real_boxes(voxid):
+    needs_mosd()
+    frame = voxid("segment", MOSD / "learn0_depth.png", "--camera", CAMERA, "--json").json
+    assert len(frame["objects"]) == 2
+    assert frame["table"]["distance_m"] == pytest.approx(0.612, abs=0.005)
+
+
+def test_evaluation_of_the_real_scenes(voxid):
+    needs_mosd()
+    score = voxid("segment", "--evaluate", MOSD, "--json").json
+    assert score["scenes"] == score["tables"] == 77
+    assert score["plane_error_mm_median"] < 0.5 and score["plane_error_deg_median"] < 0.1
+    assert score["alone"] == 152 and score["whole"] == 119 and score["objects"] == 329
+    assert score["alone_found"] >= 128
+    assert score["whole_found"] >= 118
+    assert score["table_clusters"] == 0
