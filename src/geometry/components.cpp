@@ -36,6 +36,11 @@ void Components::unite(std::uint32_t a, std::uint32_t b) {
   parent_[std::max(a, b)] = std::min(a, b);
 }
 
+void Components::uniteParts(std::size_t a, std::size_t b) {
+  unite(static_cast<std::uint32_t>(node_of_[sorted_pixels_[first_[a]]]),
+        static_cast<std::uint32_t>(node_of_[sorted_pixels_[first_[b]]]));
+}
+
 bool Components::nearInSpace(std::uint32_t a, std::uint32_t b) const {
   const std::int64_t dx = point_[a].x - point_[b].x, dy = point_[a].y - point_[b].y, dz = point_[a].z - point_[b].z;
   return dx * dx + dy * dy + dz * dz < static_cast<std::int64_t>(gap_um_) * gap_um_;

@@ -19,11 +19,10 @@ class Components {
   void find(const InverseDepth& inverse, const PlaneSums& sums, double distance_m, const Rays& rays,
             const SegmentParams& params);
 
-  /// Makes one part of two.
-  void unite(std::uint32_t a, std::uint32_t b);
-  std::uint32_t rootOf(std::uint32_t node);
+  /// Makes one part of two; numbers and pixels of the parts change with the next sort() only.
+  void uniteParts(std::size_t a, std::size_t b);
 
-  /// Numbers the parts 0, 1, ... by their first pixel and sorts their nodes.
+  /// Numbers the parts 0, 1, ... by their first pixel and sorts their pixels.
   void sort();
   std::size_t parts() const { return first_.empty() ? 0 : first_.size() - 1; }
   Span<const std::uint32_t> pixelsOf(std::size_t part) const {
@@ -31,6 +30,8 @@ class Components {
   }
 
  private:
+  void unite(std::uint32_t a, std::uint32_t b);
+  std::uint32_t rootOf(std::uint32_t node);
   void reserve(std::size_t pixels, int width_px);
   void linkNeighbours(std::uint32_t node, int u, int v, int width_px);
   void linkOverHole(std::uint32_t node, std::uint32_t earlier);

@@ -7,6 +7,7 @@
 #include "box.h"
 #include "components.h"
 #include "inverse_depth.h"
+#include "join.h"
 #include "plan.h"
 #include "plane.h"
 
@@ -41,13 +42,14 @@ struct Segmenter::Workspace {
   Plan plan;
   Outline outline;
   Components components;
+  Joiner joiner;
   BoxFitter boxes;
   std::vector<Cluster> clusters;
   Scene scene;
 
   void segment(const DepthView& depth, const SegmentParams& params);
   bool findTable(const DepthView& depth, const SegmentParams& params);
-  void findClusters(const SegmentParams& params);
+  void findClusters(const DepthView& depth, const SegmentParams& params);
   void drop(DropReason reason) { ++scene.dropped[static_cast<std::size_t>(reason)]; }
   int shareInside_percent(Span<const std::uint32_t> pixels, std::int32_t margin_um) const;
   void keep(Span<const std::uint32_t> pixels, std::size_t most);
@@ -68,7 +70,7 @@ void Segmenter::Workspace::segment(const DepthView& depth, const SegmentParams& 
   if (inverse.valid == 0) return;
   scene.status = SceneStatus::NoTable;
   if (!findTable(depth, params)) return;
-  findClusters(params);
+  findClusters(depth, params);
   scene.clusters = {clusters.data(), clusters.size()};
   scene.status = clusters.empty() ? SceneStatus::EmptyTable : SceneStatus::Ok;
 }
@@ -128,11 +130,13 @@ void Segmenter::Workspace::measure(Cluster& cluster, const SegmentParams& params
   }
 }
 
-void Segmenter::Workspace::findClusters(const SegmentParams& params) {
+void Segmenter::Workspace::findClusters(const DepthView& depth, const SegmentParams& params) {
   constexpr int kOnTheTable_percent = 30;
   components.find(inverse, sums, scene.table.distance_m, rays, params);
   components.sort();
   const std::size_t fewest = std::max<std::size_t>(scaled(params.min_cluster_pixels, inverse), 1);
+  const Surface surface{inverse, sums, rays, plan, scene.table.distance_m};
+  if (joiner.join(surface, depth.camera, std::max<std::size_t>(fewest / 5, 1), components)) components.sort();
   for (std::size_t part = 0; part < components.parts(); ++part) {
     const Span<const std::uint32_t> pixels = components.pixelsOf(part);
     if (pixels.size < fewest) {
