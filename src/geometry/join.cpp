@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
+#include <utility>
 
 namespace voxid {
 namespace {
@@ -20,14 +22,82 @@ constexpr int kCutTopsWithin_mm = 10;
 constexpr int kFewestTouching = 20;  // columns, at 640
 constexpr int kTouchGap_px = 4;
 constexpr int kRimsWithin_mm = 8;
-constexpr int kWidestVessel_um = 400000;
-constexpr double kFewestSagitta_um = 8000;
+constexpr std::int64_t kWidestVessel_um = 400000;
+constexpr std::int64_t kFewestSagitta_um = 8000;
 
 constexpr int kTopPercentile = 97;
 constexpr int kHighest_mm = 2000;
 
 std::int32_t inverseOf(std::int32_t depth_um) {
   return static_cast<std::int32_t>(kUnitsTimesUm / std::max(depth_um, 1000) + 0.5);
+}
+
+/// Directions in the plan: away from the camera's foot through a piece, and to the right of that.
+struct ViewerAxes {
+  std::int64_t away_x_q15, away_y_q15;
+};
+
+struct Extent {
+  std::int64_t low = std::numeric_limits<std::int32_t>::max(), high = std::numeric_limits<std::int32_t>::min();
+  void add(std::int64_t x) {
+    low = std::min(low, x);
+    high = std::max(high, x);
+  }
+  std::int64_t size() const { return high - low; }
+};
+
+Extent united(const Extent& a, const Extent& b) { return {std::min(a.low, b.low), std::max(a.high, b.high)}; }
+std::int64_t overlapOf(const Extent& a, const Extent& b) { return std::min(a.high, b.high) - std::max(a.low, b.low); }
+
+/// A piece from above: its extents, and how much farther its middle lies than its ends (positive: hollow to the
+/// viewer).
+struct PlanShape {
+  Extent across, away;
+  std::int64_t sagitta_um = 0;
+};
+
+ViewerAxes axesTowards(Span<const std::uint32_t> pixels, const Surface& surface) {
+  std::int64_t x = 0, y = 0;
+  for (const std::uint32_t pixel : pixels) {
+    const Point2 p = surface.plan.project(surface.point(pixel));
+    x += p.x;
+    y += p.y;
+  }
+  const double dx = static_cast<double>(x), dy = static_cast<double>(y);
+  const double length = std::max(1.0, std::sqrt(dx * dx + dy * dy));
+  return {std::llround(dx / length * 32768), std::llround(dy / length * 32768)};
+}
+
+struct Mean {
+  std::int64_t sum = 0, count = 0;
+  void add(std::int64_t x) {
+    sum += x;
+    ++count;
+  }
+  std::int64_t value() const { return count > 0 ? sum / count : 0; }
+};
+
+PlanShape shapeOf(Span<const std::uint32_t> pixels, const Surface& surface, const ViewerAxes& axes) {
+  const auto placed = [&](std::uint32_t pixel) {
+    const Point2 p = surface.plan.project(surface.point(pixel));
+    return std::make_pair((axes.away_y_q15 * p.x - axes.away_x_q15 * p.y) >> 15,
+                          (axes.away_x_q15 * p.x + axes.away_y_q15 * p.y) >> 15);
+  };
+  PlanShape shape;
+  for (const std::uint32_t pixel : pixels) {
+    const auto [across, away] = placed(pixel);
+    shape.across.add(across);
+    shape.away.add(away);
+  }
+  Mean ends, middle;  // the outer and the inner fifths
+  for (const std::uint32_t pixel : pixels) {
+    const auto [across, away] = placed(pixel);
+    const std::int64_t share_percent = 100 * (across - shape.across.low) / (shape.across.size() + 1);
+    if (share_percent < 10 || share_percent >= 90) ends.add(away);
+    if (share_percent >= 40 && share_percent < 60) middle.add(away);
+  }
+  if (ends.count > 0 && middle.count > 0) shape.sagitta_um = middle.value() - ends.value();
+  return shape;
 }
 
 }  // namespace
@@ -80,14 +150,20 @@ void Joiner::scan(const InverseDepth& inverse, std::size_t first, std::size_t st
     if (piece_[pixel] == 0 || piece_[pixel] == piece_[pixel - stride]) continue;
     const double gap_px = kWidestGap_um * focal_px / depthUmOf(inverse.values[pixel]);
     faceBack(inverse, pixel, stride, gap_px < i ? static_cast<int>(gap_px) : i);
+    if (stride > 1) touch(inverse, pixel, i);
   }
 }
 
-/// Counts a column in which a far piece ends right above a near one.
-void Joiner::touch(const InverseDepth& inverse, std::size_t upper, std::size_t lower) {
-  const int far = piece_[upper], near = piece_[lower];
-  if (far == 0 || far == near || inverse.values[upper] >= inverse.values[lower]) return;
-  ++lines(std::max(far, near), std::min(far, near)).touching;
+/// Counts a column in which a far piece ends right above the first pixel of a near one.
+void Joiner::touch(const InverseDepth& inverse, std::size_t pixel, int row) {
+  const int near = piece_[pixel];
+  for (int k = 1; k <= std::min(kTouchGap_px, row); ++k) {
+    const std::size_t above = pixel - static_cast<std::size_t>(k) * static_cast<std::size_t>(inverse.width_px);
+    const int far = piece_[above];
+    if (far == 0) continue;
+    if (far != near && inverse.values[above] < inverse.values[pixel]) ++lines(far, near).touching;
+    return;
+  }
 }
 
 bool Joiner::join(const Surface& surface, const Camera& camera, std::size_t fewest, Components& components) {
@@ -98,15 +174,11 @@ bool Joiner::join(const Surface& surface, const Camera& camera, std::size_t fewe
     scan(inverse, static_cast<std::size_t>(v) * width, 1, inverse.width_px, camera.fx_q16 / 65536.0);
   }
   for (std::size_t u = 0; u < width; ++u) scan(inverse, u, width, inverse.height_px, camera.fy_q16 / 65536.0);
-  const int fewest_lines = std::max(2, kFewestLines * inverse.width_px / 640);
   bool any = false;
-  const int count = static_cast<int>(pieces_.size());
+  const auto count = static_cast<int>(pieces_.size());
   for (int a = 1; a < count; ++a) {
     for (int b = a + 1; b < count; ++b) {
-      if (!cutByNearer(a, b, fewest_lines)) continue;
-      const int top_a = topOf(pieces_[static_cast<std::size_t>(a)], surface, components);
-      const int top_b = topOf(pieces_[static_cast<std::size_t>(b)], surface, components);
-      if (std::abs(top_a - top_b) > kCutTopsWithin_mm) continue;
+      if (!belongTogether(a, b, surface, components)) continue;
       components.uniteParts(pieces_[static_cast<std::size_t>(a)].part, pieces_[static_cast<std::size_t>(b)].part);
       any = true;
     }
@@ -114,9 +186,39 @@ bool Joiner::join(const Surface& surface, const Camera& camera, std::size_t fewe
   return any;
 }
 
+bool Joiner::belongTogether(int a, int b, const Surface& surface, const Components& components) {
+  const int width_px = surface.inverse.width_px;
+  const bool cut = cutByNearer(a, b, std::max(2, kFewestLines * width_px / 640));
+  const int fewest_columns = std::max(4, kFewestTouching * width_px / 640);
+  const bool a_above = lines(a, b).touching >= fewest_columns, b_above = lines(b, a).touching >= fewest_columns;
+  if (!cut && !a_above && !b_above) return false;
+  Piece &first = pieces_[static_cast<std::size_t>(a)], &second = pieces_[static_cast<std::size_t>(b)];
+  const int step_mm = std::abs(topOf(first, surface, components) - topOf(second, surface, components));
+  if (cut && step_mm <= kCutTopsWithin_mm) return true;
+  if (step_mm > kRimsWithin_mm) return false;
+  return (a_above && wallsOfVessel(first, second, surface, components)) ||
+         (b_above && wallsOfVessel(second, first, surface, components));
+}
+
 bool Joiner::cutByNearer(int a, int b, int fewest_lines) {
   const Lines& pair = lines(a, b);
   return pair.hidden >= fewest_lines && pair.hidden * 100 >= pair.facing * kHiddenShare_percent;
+}
+
+/// A vessel's far wall, seen from inside, is hollow towards the viewer, its near wall bulges.
+bool Joiner::wallsOfVessel(const Piece& far, const Piece& near, const Surface& surface,
+                           const Components& components) const {
+  const Span<const std::uint32_t> far_pixels = components.pixelsOf(far.part),
+                                  near_pixels = components.pixelsOf(near.part);
+  const ViewerAxes axes = axesTowards(far_pixels, surface);
+  const PlanShape far_shape = shapeOf(far_pixels, surface, axes), near_shape = shapeOf(near_pixels, surface, axes);
+  const Extent across = united(far_shape.across, near_shape.across), away = united(far_shape.away, near_shape.away);
+  if (across.size() > kWidestVessel_um || away.size() > kWidestVessel_um) return false;
+  if (2 * overlapOf(far_shape.across, near_shape.across) <
+      std::min(far_shape.across.size(), near_shape.across.size())) {
+    return false;
+  }
+  return far_shape.sagitta_um > kFewestSagitta_um && near_shape.sagitta_um < 0;
 }
 
 int Joiner::topOf(Piece& piece, const Surface& surface, const Components& components) {

@@ -32,14 +32,14 @@ class Joiner {
   void takePieces(const Surface& surface, std::size_t fewest, const Components& components);
   void scan(const InverseDepth& inverse, std::size_t first, std::size_t stride, int length, double focal_px);
   void faceBack(const InverseDepth& inverse, std::size_t pixel, std::size_t stride, int farthest_px);
-  void touch(const InverseDepth& inverse, std::size_t upper, std::size_t lower);
+  void touch(const InverseDepth& inverse, std::size_t pixel, int row);
   Lines& lines(int a, int b) {
     return lines_[static_cast<std::size_t>(a) * (kMostPieces + 1) + static_cast<std::size_t>(b)];
   }
   int topOf(Piece& piece, const Surface& surface, const Components& components);
   bool cutByNearer(int a, int b, int fewest_lines);
-  bool wallsOfVessel(int far, int near, const Surface& surface, const Components& components, int fewest_lines);
-  double sagitta(const Piece& piece, const Surface& surface, const Components& components);
+  bool wallsOfVessel(const Piece& far, const Piece& near, const Surface& surface, const Components& components) const;
+  bool belongTogether(int a, int b, const Surface& surface, const Components& components);
 
   std::vector<Piece> pieces_;        // the first is no piece
   std::vector<std::uint8_t> piece_;  // by pixel
