@@ -20,6 +20,11 @@ struct Box {
   double bottom = 0;  ///< above the table
 };
 
+/// An open cylinder on the table; its wall has no thickness.
+struct Vessel {
+  double x, y, radius, height;
+};
+
 /// A camera above a rectangular table that looks down on it.
 struct View {
   double camera_height_m = 0.6, pitch_deg = 40;
@@ -58,7 +63,8 @@ inline double hitBox(const Eigen::Vector3d& from, const Eigen::Vector3d& ray, co
   const auto turned = [&](double x, double y, double z) { return Eigen::Vector3d(c * x + s * y, c * y - s * x, z); };
   const Eigen::Vector3d o = turned(from.x() - box.x, from.y() - box.y, from.z());
   const Eigen::Vector3d d = turned(ray.x(), ray.y(), ray.z());
-  const Eigen::Vector3d low(-box.length / 2, -box.width / 2, box.bottom), high(box.length / 2, box.width / 2, box.height);
+  const Eigen::Vector3d low(-box.length / 2, -box.width / 2, box.bottom),
+      high(box.length / 2, box.width / 2, box.height);
   double enter = 0, leave = 1e9;
   for (int i = 0; i < 3; ++i) {
     if (std::abs(d[i]) < 1e-12) {
@@ -72,6 +78,19 @@ inline double hitBox(const Eigen::Vector3d& from, const Eigen::Vector3d& ray, co
   return enter <= leave && enter > 0 ? enter : std::numeric_limits<double>::infinity();
 }
 
+/// Depth at which the ray meets the vessel's wall, from outside or inside, or infinity.
+inline double hitVessel(const Eigen::Vector3d& from, const Eigen::Vector3d& ray, const Vessel& vessel) {
+  const double ox = from.x() - vessel.x, oy = from.y() - vessel.y;
+  const double a = ray.x() * ray.x() + ray.y() * ray.y(), b = ox * ray.x() + oy * ray.y();
+  const double root = b * b - a * (ox * ox + oy * oy - vessel.radius * vessel.radius);
+  if (root < 0) return std::numeric_limits<double>::infinity();
+  for (const double depth : {(-b - std::sqrt(root)) / a, (-b + std::sqrt(root)) / a}) {
+    const double z = from.z() + depth * ray.z();
+    if (depth > 0 && z >= 0 && z <= vessel.height) return depth;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
 inline double hitTable(const Eigen::Vector3d& from, const Eigen::Vector3d& ray, const View& view) {
   if (ray.z() >= 0) return std::numeric_limits<double>::infinity();
   const double depth = -from.z() / ray.z();
@@ -81,7 +100,7 @@ inline double hitTable(const Eigen::Vector3d& from, const Eigen::Vector3d& ray, 
 }
 
 /// Millimetres as a sensor without noise gives them. `ray` has length one along the optical axis, so hits are depths.
-inline Image render(const View& view, const std::vector<Box>& boxes) {
+inline Image render(const View& view, const std::vector<Box>& boxes, const std::vector<Vessel>& vessels = {}) {
   Image image{view.width_px, view.height_px, {}, view.camera()};
   image.millimetres.assign(static_cast<std::size_t>(view.width_px) * view.height_px, 0);
   const double c = std::cos(view.pitch_deg * kRadian), s = std::sin(view.pitch_deg * kRadian);
@@ -93,6 +112,7 @@ inline Image render(const View& view, const std::vector<Box>& boxes) {
       const Eigen::Vector3d ray(x, c - y * s, -s - y * c);
       double depth = hitTable(from, ray, view);
       for (const Box& box : boxes) depth = std::min(depth, hitBox(from, ray, box));
+      for (const Vessel& vessel : vessels) depth = std::min(depth, hitVessel(from, ray, vessel));
       if (depth < 10) image.at(u, v) = static_cast<std::uint16_t>(std::lround(depth * 1000));
     }
   }
