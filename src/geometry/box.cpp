@@ -98,12 +98,10 @@ BoxFitter::BoxFitter() : columns_(kColumns) {
 }
 
 /// Keeps, in each column of the plan, the lowest and the highest point.
-void BoxFitter::bin(const InverseDepth& inverse, const Rays& rays, const Plan& plan, const Cluster& cluster,
-                    std::int32_t first_x, std::int64_t width_um) {
-  std::fill(columns_.begin(), columns_.end(),
-            Column{{0, std::numeric_limits<std::int32_t>::max()}, {0, std::numeric_limits<std::int32_t>::min()}});
-  for (const std::uint32_t pixel : cluster.pixels) {
-    const Point2 p = plan.project(pointOf(inverse, rays, pixel));
+void BoxFitter::bin(std::int32_t first_x, std::int64_t width_um) {
+  constexpr Column kEmpty{{0, std::numeric_limits<std::int32_t>::max()}, {0, std::numeric_limits<std::int32_t>::min()}};
+  std::fill(columns_.begin(), columns_.end(), kEmpty);
+  for (const Point2& p : points_) {
     const std::int64_t offset = static_cast<std::int64_t>(p.x) - first_x;
     Column& column = columns_[static_cast<std::size_t>(offset * kColumns / (width_um + 1))];
     if (p.y < column.lowest.y) column.lowest = p;
@@ -125,6 +123,8 @@ std::size_t BoxFitter::hull() {
 void BoxFitter::fit(const InverseDepth& inverse, const Rays& rays, const Plan& plan, Cluster& cluster) {
   cluster.box_px = pixelBoxOf(cluster.pixels, inverse.width_px);
   cluster.truncated = touchesBorder(cluster.box_px, inverse.width_px, inverse.height_px);
+  points_.reserve(inverse.values.size());
+  points_.clear();
   Sums sums;
   for (const std::uint32_t pixel : cluster.pixels) {
     const PointUm p = pointOf(inverse, rays, pixel);
@@ -132,16 +132,17 @@ void BoxFitter::fit(const InverseDepth& inverse, const Rays& rays, const Plan& p
     sums.y += p.y;
     sums.z += p.z;
     sums.highest_um = std::max(sums.highest_um, plan.heightUm(p));
-    const std::int32_t x = plan.project(p).x;
-    sums.first_x = std::min(sums.first_x, x);
-    sums.last_x = std::max(sums.last_x, x);
+    const Point2 foot = plan.project(p);
+    points_.push_back(foot);
+    sums.first_x = std::min(sums.first_x, foot.x);
+    sums.last_x = std::max(sums.last_x, foot.x);
   }
   const double per_point = 1e-6 / static_cast<double>(cluster.pixels.size);
   cluster.centroid_m = Eigen::Vector3d(static_cast<double>(sums.x) * per_point, static_cast<double>(sums.y) * per_point,
                                        static_cast<double>(sums.z) * per_point)
                            .cast<float>();
 
-  bin(inverse, rays, plan, cluster, sums.first_x, static_cast<std::int64_t>(sums.last_x) - sums.first_x);
+  bin(sums.first_x, static_cast<std::int64_t>(sums.last_x) - sums.first_x);
   const std::size_t size = hull();
   const Rectangle r = smallestRectangle({hull_.data(), size});
   const double height_m = sums.highest_um * 1e-6;

@@ -23,10 +23,10 @@ class BoxFitter {
   struct Column {
     Point2 lowest, highest;
   };
-  void bin(const InverseDepth& inverse, const Rays& rays, const Plan& plan, const Cluster& cluster,
-           std::int32_t first_x, std::int64_t width_um);
+  void bin(std::int32_t first_x, std::int64_t width_um);
   std::size_t hull();
 
+  std::vector<Point2> points_;  // of one cluster, in the plan
   std::vector<Column> columns_;
   std::vector<Point2> sorted_, hull_;
 };

@@ -6,9 +6,31 @@
 #include <cstdlib>
 
 namespace voxid {
+namespace {
+
+/// Whether a pixel belongs to something on the table: both its height and its inverse depth differ enough.
+struct HeightTest {
+  HeightTest(double distance_m, const SegmentParams& params)
+      : margin(params.min_margin_per_km * kUnitsPerKm),
+        distance_um(std::llround(distance_m * 1e6)),
+        lowest_um(params.min_height_mm * 1000),
+        highest_um(params.max_height_mm * 1000) {}
+
+  /// Height = distance (1 - expected / value): compared without a division.
+  bool operator()(std::int32_t value, std::int32_t expected) const {
+    if (value - expected <= margin || value == 0) return false;
+    const std::int64_t scaled = static_cast<std::int64_t>(value - expected) * distance_um;
+    return scaled > lowest_um * value && scaled <= highest_um * value;
+  }
+
+  std::int32_t margin;
+  std::int64_t distance_um, lowest_um, highest_um;
+};
+
+}  // namespace
 
 void Components::reserve(std::size_t pixels, int width_px) {
-  node_of_.resize(pixels);
+  node_of_.assign(pixels, -1);
   pixel_.reserve(pixels);
   parent_.reserve(pixels);
   point_.reserve(pixels);
@@ -62,53 +84,52 @@ void Components::linkNeighbours(std::uint32_t node, int u, int v, int width_px) 
   if (u + 1 < width_px) linkIfNear(node, here[-width_px + 1]);
 }
 
-void Components::linkOverHole(std::uint32_t node, std::uint32_t earlier) {
-  if (nearInSpace(node, earlier)) unite(node, earlier);
+/// The nodes before it along row and column, over holes of at most bridge_px.
+void Components::linkOverHoles(std::uint32_t node, int u, int width_px, std::int32_t& last_in_row) {
+  std::int32_t& last_in_column = last_in_column_[static_cast<std::size_t>(u)];
+  const auto linkAlong = [&](std::int32_t last, std::uint32_t pixels_per_step) {
+    if (last < 0) return;
+    const auto earlier = static_cast<std::uint32_t>(last);
+    const std::uint32_t steps = (pixel_[node] - pixel_[earlier]) / pixels_per_step;
+    if (steps > 1 && steps <= farthest_link_ && nearInSpace(node, earlier)) unite(node, earlier);
+  };
+  linkAlong(last_in_row, 1);
+  linkAlong(last_in_column, static_cast<std::uint32_t>(width_px));
+  last_in_row = last_in_column = static_cast<std::int32_t>(node);
 }
 
-void Components::find(const InverseDepth& inverse, const PlaneSums& sums, double distance_m, const Rays& rays,
-                      const SegmentParams& params) {
-  const int width = inverse.width_px;
-  reserve(inverse.values.size(), width);
-  gap_um_ = params.cluster_gap_mm * 1000;
-  const std::int32_t margin = params.min_margin_per_km * kUnitsPerKm;
-  const std::int64_t distance_um = std::llround(distance_m * 1e6);
-  const std::int64_t lowest_um = params.min_height_mm * 1000, highest_um = params.max_height_mm * 1000;
-  const auto farthest_column = static_cast<std::uint32_t>(params.bridge_px + 1);
+void Components::add(const Surface& surface, int u, int v, std::int32_t& last_in_row) {
+  const int width = surface.inverse.width_px;
+  const std::size_t pixel = static_cast<std::size_t>(v) * static_cast<std::size_t>(width) + static_cast<std::size_t>(u);
+  const auto node = static_cast<std::uint32_t>(pixel_.size());
+  pixel_.push_back(static_cast<std::uint32_t>(pixel));
+  parent_.push_back(node);
+  point_.push_back(surface.rays.point(u, v, depthUmOf(surface.inverse.values[pixel])));
+  node_of_[pixel] = static_cast<std::int32_t>(node);
+  linkNeighbours(node, u, v, width);
+  linkOverHoles(node, u, width, last_in_row);
+}
 
+void Components::find(const Surface& surface, const SegmentParams& params) {
+  constexpr int kBlock = 16;  // most blocks show bare table: one test for all of it
+  const InverseDepth& inverse = surface.inverse;
+  reserve(inverse.values.size(), inverse.width_px);
+  gap_um_ = params.cluster_gap_mm * 1000;
+  farthest_link_ = static_cast<std::uint32_t>(params.bridge_px + 1);
+  const HeightTest isAbove(surface.distance_m, params);
   for (int v = 0; v < inverse.height_px; ++v) {
     const std::int32_t* values = inverse.row(v);
-    std::int32_t* nodes = node_of_.data() + static_cast<std::size_t>(v) * width;
-    const std::int32_t row = sums.rows[static_cast<std::size_t>(v)];
+    const std::int32_t* columns = surface.table.columns.data();
+    const std::int32_t row = surface.table.rows[static_cast<std::size_t>(v)];
     std::int32_t last_in_row = -1;
-    for (int u = 0; u < width; ++u) {
-      nodes[u] = -1;
-      const std::int32_t value = values[u];
-      const std::int64_t above = value - (sums.columns[static_cast<std::size_t>(u)] + row);
-      if (above <= margin || value == 0) continue;
-      // Height = distance (1 - expected / inverse): compared without a division.
-      const std::int64_t scaled_height = above * distance_um;
-      if (scaled_height <= lowest_um * value || scaled_height > highest_um * value) continue;
-
-      const auto node = static_cast<std::uint32_t>(pixel_.size());
-      pixel_.push_back(static_cast<std::uint32_t>(static_cast<std::size_t>(v) * width + u));
-      parent_.push_back(node);
-      point_.push_back(rays.point(u, v, depthUmOf(value)));
-      nodes[u] = static_cast<std::int32_t>(node);
-      linkNeighbours(node, u, v, width);
-
-      if (last_in_row >= 0) {
-        const auto earlier = static_cast<std::uint32_t>(last_in_row);
-        const std::uint32_t step = pixel_[node] - pixel_[earlier];
-        if (step > 1 && step <= farthest_column) linkOverHole(node, earlier);
+    for (int first = 0; first < inverse.width_px; first += kBlock) {
+      const int end = std::min(first + kBlock, inverse.width_px);
+      int any = 0;
+      for (int u = first; u < end; ++u) any |= values[u] - (columns[u] + row) > isAbove.margin;
+      if (!any) continue;
+      for (int u = first; u < end; ++u) {
+        if (isAbove(values[u], columns[u] + row)) add(surface, u, v, last_in_row);
       }
-      std::int32_t& last_in_column = last_in_column_[static_cast<std::size_t>(u)];
-      if (last_in_column >= 0) {
-        const auto earlier = static_cast<std::uint32_t>(last_in_column);
-        const std::uint32_t step = (pixel_[node] - pixel_[earlier]) / static_cast<std::uint32_t>(width);
-        if (step > 1 && step <= farthest_column) linkOverHole(node, earlier);
-      }
-      last_in_row = last_in_column = static_cast<std::int32_t>(node);
     }
   }
 }

@@ -5,8 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "inverse_depth.h"
-#include "plan.h"
+#include "surface.h"
 #include "voxid/core/span.h"
 #include "voxid/geometry/segment_params.h"
 
@@ -16,8 +15,7 @@ namespace voxid {
 class Components {
  public:
   /// One scan: takes the pixels above the table and links each to its neighbours before it.
-  void find(const InverseDepth& inverse, const PlaneSums& sums, double distance_m, const Rays& rays,
-            const SegmentParams& params);
+  void find(const Surface& surface, const SegmentParams& params);
 
   /// Makes one part of two; numbers and pixels of the parts change with the next sort() only.
   void uniteParts(std::size_t a, std::size_t b);
@@ -34,11 +32,13 @@ class Components {
   std::uint32_t rootOf(std::uint32_t node);
   void reserve(std::size_t pixels, int width_px);
   void linkNeighbours(std::uint32_t node, int u, int v, int width_px);
-  void linkOverHole(std::uint32_t node, std::uint32_t earlier);
+  void add(const Surface& surface, int u, int v, std::int32_t& last_in_row);
+  void linkOverHoles(std::uint32_t node, int u, int width_px, std::int32_t& last_in_row);
   void linkIfNear(std::uint32_t node, std::int32_t other);
   bool nearInSpace(std::uint32_t a, std::uint32_t b) const;
 
   std::int32_t gap_um_ = 0;
+  std::uint32_t farthest_link_ = 0;            ///< pixels
   std::vector<std::int32_t> node_of_;          // by pixel; -1 = on or below the table
   std::vector<std::uint32_t> pixel_, parent_;  // by node
   std::vector<PointUm> point_;                 // by node

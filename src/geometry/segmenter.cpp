@@ -132,10 +132,10 @@ void Segmenter::Workspace::measure(Cluster& cluster, const SegmentParams& params
 
 void Segmenter::Workspace::findClusters(const DepthView& depth, const SegmentParams& params) {
   constexpr int kOnTheTable_percent = 30;
-  components.find(inverse, sums, scene.table.distance_m, rays, params);
+  const Surface surface{inverse, sums, rays, plan, scene.table.distance_m};
+  components.find(surface, params);
   components.sort();
   const std::size_t fewest = std::max<std::size_t>(scaled(params.min_cluster_pixels, inverse), 1);
-  const Surface surface{inverse, sums, rays, plan, scene.table.distance_m};
   if (joiner.join(surface, depth.camera, std::max<std::size_t>(fewest / 5, 1), components)) components.sort();
   for (std::size_t part = 0; part < components.parts(); ++part) {
     const Span<const std::uint32_t> pixels = components.pixelsOf(part);
