@@ -97,6 +97,8 @@ BoxFitter::BoxFitter() : columns_(kColumns) {
   hull_.resize(4 * kColumns);
 }
 
+void BoxFitter::reserve(std::size_t pixels) { points_.reserve(pixels); }
+
 /// Keeps, in each column of the plan, the lowest and the highest point.
 void BoxFitter::bin(std::int32_t first_x, std::int64_t width_um) {
   constexpr Column kEmpty{{0, std::numeric_limits<std::int32_t>::max()}, {0, std::numeric_limits<std::int32_t>::min()}};
@@ -123,7 +125,6 @@ std::size_t BoxFitter::hull() {
 void BoxFitter::fit(const InverseDepth& inverse, const Rays& rays, const Plan& plan, Cluster& cluster) {
   cluster.box_px = pixelBoxOf(cluster.pixels, inverse.width_px);
   cluster.truncated = touchesBorder(cluster.box_px, inverse.width_px, inverse.height_px);
-  points_.reserve(inverse.values.size());
   points_.clear();
   Sums sums;
   for (const std::uint32_t pixel : cluster.pixels) {

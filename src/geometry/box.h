@@ -14,6 +14,7 @@ namespace voxid {
 class BoxFitter {
  public:
   BoxFitter();
+  void reserve(std::size_t pixels);
 
   /// Sets everything in `cluster` that follows from `cluster.pixels`, `truncated` only as far as the image's border
   /// goes.

@@ -30,13 +30,18 @@ struct HeightTest {
 }  // namespace
 
 void Components::reserve(std::size_t pixels, int width_px) {
-  node_of_.assign(pixels, -1);
+  node_of_.reserve(pixels);
+  last_in_column_.reserve(static_cast<std::size_t>(width_px));
   pixel_.reserve(pixels);
   parent_.reserve(pixels);
   point_.reserve(pixels);
   part_of_.reserve(pixels);
   first_.reserve(pixels + 1);
   sorted_pixels_.reserve(pixels);
+}
+
+void Components::clear(std::size_t pixels, int width_px) {
+  node_of_.assign(pixels, -1);
   last_in_column_.assign(static_cast<std::size_t>(width_px), -1);
   pixel_.clear();
   parent_.clear();
@@ -113,7 +118,7 @@ void Components::add(const Surface& surface, int u, int v, std::int32_t& last_in
 void Components::find(const Surface& surface, const SegmentParams& params) {
   constexpr int kBlock = 16;  // most blocks show bare table: one test for all of it
   const InverseDepth& inverse = surface.inverse;
-  reserve(inverse.values.size(), inverse.width_px);
+  clear(inverse.values.size(), inverse.width_px);
   gap_um_ = params.cluster_gap_mm * 1000;
   farthest_link_ = static_cast<std::uint32_t>(params.bridge_px + 1);
   const HeightTest isAbove(surface.distance_m, params);

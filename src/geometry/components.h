@@ -14,6 +14,8 @@ namespace voxid {
 /// A node is a pixel above the table; nodes are numbered in the order of their pixels. A part is a set of linked nodes.
 class Components {
  public:
+  void reserve(std::size_t pixels, int width_px);
+
   /// One scan: takes the pixels above the table and links each to its neighbours before it.
   void find(const Surface& surface, const SegmentParams& params);
 
@@ -30,7 +32,7 @@ class Components {
  private:
   void unite(std::uint32_t a, std::uint32_t b);
   std::uint32_t rootOf(std::uint32_t node);
-  void reserve(std::size_t pixels, int width_px);
+  void clear(std::size_t pixels, int width_px);
   void linkNeighbours(std::uint32_t node, int u, int v, int width_px);
   void add(const Surface& surface, int u, int v, std::int32_t& last_in_row);
   void linkOverHoles(std::uint32_t node, int u, int width_px, std::int32_t& last_in_row);

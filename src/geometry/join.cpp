@@ -102,10 +102,15 @@ PlanShape shapeOf(Span<const std::uint32_t> pixels, const Surface& surface, cons
 
 }  // namespace
 
-void Joiner::takePieces(const Surface& surface, std::size_t fewest, const Components& components) {
+Joiner::Joiner() {
   lines_.resize((kMostPieces + 1) * (kMostPieces + 1));
   heights_mm_.resize(kHighest_mm + 1);
   pieces_.reserve(kMostPieces + 1);
+}
+
+void Joiner::reserve(std::size_t pixels) { piece_.reserve(pixels); }
+
+void Joiner::takePieces(const Surface& surface, std::size_t fewest, const Components& components) {
   piece_.assign(surface.inverse.values.size(), 0);
   for (bool all = false; !all; fewest *= 2) {  // a noisy frame: only its larger parts
     pieces_.assign(1, Piece{});

@@ -12,6 +12,9 @@ namespace voxid {
 
 class Joiner {
  public:
+  Joiner();
+  void reserve(std::size_t pixels);
+
   /// Unites parts of at least `fewest` pixels; true if any.
   bool join(const Surface& surface, const Camera& camera, std::size_t fewest, Components& components);
 

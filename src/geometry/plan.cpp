@@ -45,6 +45,11 @@ std::size_t convexHull(Span<const Point2> sorted, Point2* hull) {
   return size > 1 ? size - 1 : size;  // the first point came twice
 }
 
+void Rays::reserve(int width_px, int height_px) {
+  x_q20.reserve(static_cast<std::size_t>(width_px));
+  y_q20.reserve(static_cast<std::size_t>(height_px));
+}
+
 void Rays::fill(const Camera& camera, int width_px, int height_px) {
   const auto fillAxis = [](std::vector<std::int32_t>& axis, int size, std::int32_t f_q16, std::int32_t c_q16) {
     constexpr std::int64_t kWidest = 1 << 24;  // 16 times as far to the side as away: micrometres stay below 2^31
@@ -79,13 +84,16 @@ Eigen::Vector3d Plan::lift(double x_m, double y_m, double height_m) const {
   return direction(x_m, y_m) + (height_m - distance_um_ * 1e-6) * axis_[2];
 }
 
-void Outline::collectRowEnds(const InverseDepth& inverse, const PlaneSums& sums, std::int32_t tolerance) {
-  const auto most = 2 * static_cast<std::size_t>(inverse.height_px);
+void Outline::reserve(int height_px) {
+  const auto most = 2 * static_cast<std::size_t>(height_px);
   ends_.reserve(most);
-  hull_.resize(2 * most);
+  hull_.reserve(2 * most);
   corners_.reserve(most);
   edges_.reserve(most);
   points_m_.reserve(most);
+}
+
+void Outline::collectRowEnds(const InverseDepth& inverse, const PlaneSums& sums, std::int32_t tolerance) {
   ends_.clear();
   for (int v = 0; v < inverse.height_px; ++v) {
     const std::int32_t row = sums.rows[static_cast<std::size_t>(v)];
@@ -104,6 +112,7 @@ bool Outline::fill(const InverseDepth& inverse, const PlaneSums& sums, std::int3
   corners_.clear();
   edges_.clear();
   // Rows as x and columns as y: counter-clockwise is so for somebody who looks at the image.
+  hull_.resize(2 * ends_.size());
   const std::size_t size = convexHull({ends_.data(), ends_.size()}, hull_.data());
   if (size < 3) return false;
   for (std::size_t i = 0; i < size; ++i) {

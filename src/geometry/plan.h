@@ -24,6 +24,7 @@ std::size_t convexHull(Span<const Point2> sorted, Point2* hull);
 struct Rays {
   std::vector<std::int32_t> x_q20, y_q20;
 
+  void reserve(int width_px, int height_px);
   void fill(const Camera& camera, int width_px, int height_px);
   PointUm point(int u, int v, std::int32_t depth_um) const {
     return {static_cast<std::int32_t>((static_cast<std::int64_t>(depth_um) * x_q20[static_cast<std::size_t>(u)]) >> 20),
@@ -57,6 +58,8 @@ class Plan {
 /// The convex hull of the table's pixels. A plane's homography keeps hulls, so it is found in the image.
 class Outline {
  public:
+  void reserve(int height_px);
+
   /// False if the pixels within `tolerance` of the plane span no area.
   bool fill(const InverseDepth& inverse, const PlaneSums& sums, std::int32_t tolerance, const Rays& rays,
             const Plan& plan);

@@ -19,6 +19,11 @@ double cosine(int angle_deg) { return std::round(std::cos(angle_deg * kDegree) *
 
 std::int32_t saturate(double x) { return static_cast<std::int32_t>(std::floor(std::clamp(x, -5e8, 5e8) + 0.5)); }
 
+int sampleStep(int width_px, int height_px) {
+  const double pixels_per_site = static_cast<double>(width_px) * height_px / kSampleSites;
+  return std::max(1, static_cast<int>(std::sqrt(pixels_per_site) + 0.5));
+}
+
 /// Draws needed so that all of them miss the table with kMissProbability at most.
 int drawsFor(int inliers, std::size_t samples, int most) {
   const double share = static_cast<double>(inliers) / static_cast<double>(samples);
@@ -139,6 +144,11 @@ MetricPlane metricOf(const InversePlane& plane, const Camera& camera) {
   return metric;
 }
 
+void PlaneSums::reserve(int width_px, int height_px) {
+  columns.reserve(static_cast<std::size_t>(width_px));
+  rows.reserve(static_cast<std::size_t>(height_px));
+}
+
 void PlaneSums::fill(const InversePlane& plane, int width_px, int height_px) {
   columns.resize(static_cast<std::size_t>(width_px));
   rows.resize(static_cast<std::size_t>(height_px));
@@ -177,12 +187,17 @@ class PlaneFinder::Draws {
   std::uint64_t state_ = 20110101;
 };
 
+void PlaneFinder::reserve(int width_px, int height_px) {
+  const auto step = static_cast<std::size_t>(sampleStep(width_px, height_px));
+  const std::size_t most =
+      (static_cast<std::size_t>(width_px) / step + 1) * (static_cast<std::size_t>(height_px) / step + 1);
+  // A smaller image may have more samples, as steps are whole pixels.
+  samples_.reserve(std::max<std::size_t>(most, 3 * kSampleSites));
+  above_.reserve(samples_.capacity());
+}
+
 void PlaneFinder::takeSamples(const InverseDepth& inverse) {
-  const double sites = static_cast<double>(inverse.width_px) * inverse.height_px / kSampleSites;
-  const int step = std::max(1, static_cast<int>(std::sqrt(sites) + 0.5));
-  const auto most = static_cast<std::size_t>((inverse.width_px / step + 1)) * (inverse.height_px / step + 1);
-  samples_.reserve(most);
-  above_.reserve(most);
+  const int step = sampleStep(inverse.width_px, inverse.height_px);
   samples_.clear();
   for (int v = step / 2; v < inverse.height_px; v += step) {
     for (int u = step / 2; u < inverse.width_px; u += step) {

@@ -27,12 +27,15 @@ MetricPlane metricOf(const InversePlane& plane, const Camera& camera);
 struct PlaneSums {
   std::vector<std::int32_t> columns, rows;
 
+  void reserve(int width_px, int height_px);
   void fill(const InversePlane& plane, int width_px, int height_px);
 };
 
 /// RANSAC over a regular subsample, then least squares over all pixels.
 class PlaneFinder {
  public:
+  void reserve(int width_px, int height_px);
+
   /// False if no plane has enough pixels. Otherwise `plane` and `sums` (its table) are set.
   bool find(const InverseDepth& inverse, const Camera& camera, const SegmentParams& params, InversePlane& plane,
             PlaneSums& sums);

@@ -17,6 +17,7 @@ namespace {
 constexpr int kLongestSide_px = 8192;  // keeps the plane's sums within 64 bits
 constexpr std::int64_t kMostPixels = 1 << 24;
 constexpr std::int64_t kReferencePixels = 640 * 480;  // at which pixel counts are given
+constexpr std::size_t kMostClusters = 255;            // the parameter's upper limit
 constexpr std::size_t kOutlineProbes = 256;           // points of a cluster that are compared with the outline
 
 bool usable(const DepthView& depth) {
@@ -48,6 +49,7 @@ struct Segmenter::Workspace {
   Scene scene;
 
   void segment(const DepthView& depth, const SegmentParams& params);
+  void reserve(int width_px, int height_px);
   bool findTable(const DepthView& depth, const SegmentParams& params);
   void findClusters(const DepthView& depth, const SegmentParams& params);
   void drop(DropReason reason) { ++scene.dropped[static_cast<std::size_t>(reason)]; }
@@ -56,14 +58,28 @@ struct Segmenter::Workspace {
   void measure(Cluster& cluster, const SegmentParams& params);
 };
 
+/// All memory that an image of this size can need, whatever it shows.
+void Segmenter::Workspace::reserve(int width_px, int height_px) {
+  const std::size_t pixels = static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
+  inverse.values.reserve(pixels);
+  plane_finder.reserve(width_px, height_px);
+  sums.reserve(width_px, height_px);
+  rays.reserve(width_px, height_px);
+  outline.reserve(height_px);
+  components.reserve(pixels, width_px);
+  joiner.reserve(pixels);
+  boxes.reserve(pixels);
+  clusters.reserve(kMostClusters);
+}
+
 void Segmenter::Workspace::segment(const DepthView& depth, const SegmentParams& params) {
   scene = Scene{};
   clusters.clear();
-  clusters.reserve(static_cast<std::size_t>(std::max(params.max_clusters, 1)));
   if (!usable(depth)) {
     scene.status = SceneStatus::BadInput;
     return;
   }
+  reserve(depth.width_px, depth.height_px);
   invert(depth, params.min_depth_mm, params.max_depth_mm, inverse);
   scene.valid_pixels = inverse.valid;
   scene.status = SceneStatus::NoDepth;
@@ -137,6 +153,7 @@ void Segmenter::Workspace::findClusters(const DepthView& depth, const SegmentPar
   components.sort();
   const std::size_t fewest = std::max<std::size_t>(scaled(params.min_cluster_pixels, inverse), 1);
   if (joiner.join(surface, depth.camera, std::max<std::size_t>(fewest / 5, 1), components)) components.sort();
+  const auto most = std::min(static_cast<std::size_t>(std::max(params.max_clusters, 1)), kMostClusters);
   for (std::size_t part = 0; part < components.parts(); ++part) {
     const Span<const std::uint32_t> pixels = components.pixelsOf(part);
     if (pixels.size < fewest) {
@@ -144,7 +161,7 @@ void Segmenter::Workspace::findClusters(const DepthView& depth, const SegmentPar
     } else if (shareInside_percent(pixels, params.outline_margin_mm * 1000) < kOnTheTable_percent) {
       drop(DropReason::OutsideOutline);
     } else {
-      keep(pixels, static_cast<std::size_t>(std::max(params.max_clusters, 1)));
+      keep(pixels, most);
     }
   }
   for (std::size_t i = 0; i < clusters.size(); ++i) {
