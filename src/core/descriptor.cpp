@@ -44,48 +44,23 @@ class Frame {
     const Vector e = relative(box.most);
     for (std::int64_t largest = std::max({e.x, e.y, e.z}); largest >= kExtent; largest >>= 1) ++right_;
     for (std::int64_t largest = std::max({e.x, e.y, e.z}); largest < kExtent / 2; largest <<= 1) ++left_;
-    extents_ = of(box.most);
   }
 
   Vector of(const PointUm& p) const {
     const Vector r = relative(p);
     return {r.x << left_ >> right_, r.y << left_ >> right_, r.z << left_ >> right_};
   }
-  Vector extents() const { return extents_; }
-  std::int64_t side() const { return std::max({extents_.x, extents_.y, extents_.z}); }
 
  private:
   static constexpr std::int64_t kExtent = 1 << 20;
 
   Vector relative(const PointUm& p) const { return {p.x - corner_.x, p.y - corner_.y, p.z - corner_.z}; }
 
-  Vector corner_, extents_;
+  Vector corner_;
   int left_ = 0, right_ = 0;
 };
 
-// ---- from a frame's coordinates to cells and to distances ------------------------------------------------------
-
-// The cube of 64 cells a side about the box's centre, as wide as the box's largest extent.
-class CellScale {
- public:
-  explicit CellScale(const Frame& frame) : side_(frame.side()), extents_(frame.extents()) {
-    reciprocal_ = (std::uint64_t{1} << kShift) / static_cast<std::uint64_t>(side_ + 1);
-  }
-  Cell of(Vector p) const { return {along(p.x, extents_.x), along(p.y, extents_.y), along(p.z, extents_.z)}; }
-
- private:
-  static constexpr int kShift = 42;
-
-  // 32 (2 p - extent + side) / (side + 1): 0 to 63, below 2^26 x 2^23.
-  std::uint8_t along(std::int64_t p, std::int64_t extent) const {
-    const auto doubled = static_cast<std::uint64_t>(2 * p - extent + side_);
-    return static_cast<std::uint8_t>(doubled * 32 * reciprocal_ >> kShift);
-  }
-
-  std::int64_t side_;
-  Vector extents_;
-  std::uint64_t reciprocal_;
-};
+// ---- from a frame's coordinates to distances and to cells ------------------------------------------------------
 
 std::uint64_t squareRoot(std::uint64_t n) {
   std::uint64_t root = 0;
@@ -119,6 +94,15 @@ class DistanceScale {
   Vector centroid_;
   std::int64_t scale_;
 };
+
+// The grid is the cube of side D about the centroid; what lies outside counts in the nearest cell.
+Cell cellOf(std::int16_t x, std::int16_t y, std::int16_t z) {
+  constexpr int kHalf = DistanceScale::kUnits / 2, kCell = DistanceScale::kUnits / VoxelGrid::kSide;
+  const auto along = [](int units) {
+    return static_cast<std::uint8_t>((std::min(std::max(units, -kHalf), kHalf - 1) + kHalf) / kCell);
+  };
+  return {along(x), along(y), along(z)};
+}
 
 struct Sample {
   std::int16_t x, y, z;  // from the centroid, D / 4096
@@ -290,18 +274,19 @@ DistanceScale Describer::Workspace::distanceScale(Span<const PointUm> kept, cons
 }
 
 void Describer::Workspace::place(Span<const PointUm> kept, const Frame& frame) {
-  const CellScale cells(frame);
-  const DistanceScale distances = distanceScale(kept, frame);
-  const Vector c = distances.centroid();
+  const DistanceScale scale = distanceScale(kept, frame);
+  const Vector c = scale.centroid();
   for (std::size_t i = 0; i < kept.size; ++i) {
     const Vector p = frame.of(kept[i]);
-    samples[i] = {distances.along(p.x, c.x), distances.along(p.y, c.y), distances.along(p.z, c.z), cells.of(p)};
+    const std::int16_t x = scale.along(p.x, c.x), y = scale.along(p.y, c.y), z = scale.along(p.z, c.z);
+    samples[i] = {x, y, z, cellOf(x, y, z)};
   }
 }
 
 void Describer::Workspace::drawSurface(std::size_t points) {
   surface.clear();
   for (std::size_t i = 0; i < points; ++i) surface.set(samples[i].cell);
+  surface.thicken();
   surface.close();
 }
 

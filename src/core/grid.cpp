@@ -53,6 +53,15 @@ int VoxelGrid::count() const {
   return cells;
 }
 
+void VoxelGrid::thicken() {
+  const Rows in = rows_;
+  Rows along_y, along_z;
+  dilateX(rows_);
+  dilate(in, kAlongY, along_y);
+  dilate(in, kAlongZ, along_z);
+  for (int row = 0; row < kRows; ++row) rows_[row] |= along_y[row] | along_z[row];
+}
+
 // The 26-neighbourhood is a box, so that one pass an axis gives it.
 void VoxelGrid::close() {
   Rows a = rows_, b;

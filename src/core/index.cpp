@@ -223,7 +223,7 @@ format::Parameters parametersOf(const DescriptorParams& params) {
   format::Parameters p{};
   constexpr char kProfile[] = "paper";
   std::memcpy(p.profile, kProfile, sizeof kProfile);
-  p.revision = 1;
+  p.revision = kDescriptorRevision;
   p.pairs = params.pairs;
   p.seed = params.seed;
   p.code_bytes = kDescriptorBytes;

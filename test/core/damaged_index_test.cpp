@@ -109,6 +109,7 @@ TEST(DamagedIndex, TheGoodOneIsGood) {
   draft.sumSections();
   EXPECT_TRUE(draft.bytes() == bytes) << "the test's sums are the writer's";
   const auto index = test::openGood(kGolden);
+  ASSERT_NE(index, nullptr);
   useIt(index);
   EXPECT_TRUE(index->verify().ok());
 }

@@ -65,7 +65,7 @@ TEST(Descriptor, ThreeCollinearPoints) {
   EXPECT_EQ(d.bins[kCoarse + 11], 208);
   EXPECT_EQ(d.bins[kCoarse + 23], 147);
   EXPECT_EQ(d.bins[kOff + 23], 208);
-  EXPECT_EQ(d.bins[kOff + 46], 147);  // one of 62 inner cells is set: less than a fifth
+  EXPECT_EQ(d.bins[kOff + 46], 147);  // three of 46 inner cells are set: less than a fifth
   EXPECT_EQ(std::count_if(d.bins.begin(), d.bins.end(), [](std::uint8_t b) { return b != 0; }), 6);
 }
 

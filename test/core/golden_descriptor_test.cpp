@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The bytes of a few clouds, kept for ever: a change of any of them raises format::Parameters::revision.
+// The bytes of a few clouds, kept for ever: a change of any of them raises kDescriptorRevision.
 // VOXID_WRITE_GOLDEN=1 writes the files instead of comparing.
 #include <gtest/gtest.h>
 

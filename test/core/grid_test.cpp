@@ -63,6 +63,21 @@ TEST(VoxelGrid, SetsAndCountsCells) {
   EXPECT_EQ(grid.count(), 0);
 }
 
+TEST(VoxelGrid, ThickeningAddsTheSixNeighbours) {
+  for (const Cell c : {cell(0, 0, 0), cell(63, 63, 63), cell(63, 0, 31), cell(30, 31, 32)}) {
+    VoxelGrid grid, expected;
+    grid.set(c);
+    grid.thicken();
+    for (int k = 0; k < 27; ++k) {
+      const int dx = k % 3 - 1, dy = k / 3 % 3 - 1, dz = k / 9 - 1;
+      const bool near = dx * dx + dy * dy + dz * dz <= 1;
+      if (near && inside(c.x + dx) && inside(c.y + dy) && inside(c.z + dz))
+        expected.set(cell(c.x + dx, c.y + dy, c.z + dz));
+    }
+    EXPECT_EQ(grid.rows(), expected.rows());
+  }
+}
+
 TEST(VoxelGrid, ClosingBridgesGapsOfTwoCellsAndNoMore) {
   VoxelGrid grid;
   for (int y = 10; y < 30; ++y) {

@@ -64,7 +64,7 @@ TEST(Index, BucketsHoldEveryViewUnderItsKey) {
 TEST(Index, ParametersNameTheDescriptor) {
   const format::Parameters p = parametersOf({123, 4});
   EXPECT_STREQ(p.profile, "paper");
-  EXPECT_EQ(p.revision, 1u);
+  EXPECT_EQ(p.revision, kDescriptorRevision);
   EXPECT_EQ(p.pairs, 123u);
   EXPECT_EQ(p.seed, 4u);
   EXPECT_EQ(p.code_bytes, 416u);

@@ -25,6 +25,8 @@ constexpr std::array<SubHistogram, 6> kSubHistograms{{
     {"ratio", 352, 64},
 }};
 constexpr int kDescriptorBytes = 416;
+/// Raised by a change of any byte of any descriptor: an index of another revision is refused.
+constexpr std::uint32_t kDescriptorRevision = 2;
 
 /// The paper's descriptor: 416 bins. A bin holds 255 sqrt(share of all pairs), rounded to nearest; the ratio histogram
 /// holds half of that (its weight in the paper). Compared by L1.

@@ -24,6 +24,10 @@ class VoxelGrid {
   bool test(Cell c) const { return (rows_[rowOf(c)] >> c.x) & 1; }
   int count() const;
 
+  /// Dilation by one cell along each axis (6 neighbours). Noise and rounding move a point by a cell; a line along the
+  /// surface must not miss it by one.
+  void thicken();
+
   /// Closes gaps between the cells of a sampled surface: dilation by one cell (26 neighbours), then erosion by one.
   /// Cells that were set stay set. A far or sparse object covers the grid with gaps of one or two cells; unclosed, ON
   /// would measure the distance to the camera.
