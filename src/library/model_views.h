@@ -11,7 +11,7 @@
 namespace voxid {
 
 /// A raised number makes shards of earlier builds useless to --resume: for any change of what a view looks like.
-constexpr std::uint32_t kRecipeRevision = 2;
+constexpr std::uint32_t kRecipeRevision = 1;
 
 struct ModelViews {
   std::vector<ViewRecord> views;             ///< by ascending direction

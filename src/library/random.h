@@ -22,12 +22,6 @@ class Random {
 
   float unit() { return static_cast<float>(next() >> 40) * (1.0f / (1 << 24)); }  ///< [0, 1)
   float between(float low, float high) { return low + (high - low) * unit(); }
-  /// Evenly in the logarithm; halves the interval at its geometric mean, bit by bit.
-  float logBetween(float low, float high) {
-    std::uint64_t bits = next();
-    for (int i = 0; i < 24; ++i, bits >>= 1) ((bits & 1) != 0 ? low : high) = std::sqrt(low * high);
-    return low;
-  }
   int below(int n) { return static_cast<int>((next() >> 32) * static_cast<std::uint64_t>(n) >> 32); }  ///< [0, n)
   bool chance(float share) { return unit() < share; }
 

@@ -117,16 +117,12 @@ class Sensor {
     return pixels;
   }
 
-  /// One of the eight neighbours shows something else, or nothing.
   bool onOutline(int u, int v) const {
     const std::uint16_t object = image_.objects[at(u, v)];
-    if (object == 0) return false;
-    for (int y = std::max(0, v - 1); y <= std::min(imager_.height_px - 1, v + 1); ++y) {
-      for (int x = std::max(0, u - 1); x <= std::min(imager_.width_px - 1, u + 1); ++x) {
-        if (image_.objects[at(x, y)] != object) return true;
-      }
-    }
-    return false;
+    const auto other = [&](int x, int y) {
+      return x >= 0 && y >= 0 && x < imager_.width_px && y < imager_.height_px && image_.objects[at(x, y)] != object;
+    };
+    return object != 0 && (other(u - 1, v) || other(u + 1, v) || other(u, v - 1) || other(u, v + 1));
   }
 
   void loseOutline() {
@@ -267,7 +263,7 @@ DepthImage observeClean(const RayScene& scene, const Imager& imager, const Place
 
 Placement drawPose(const format::Direction& direction, const Imager& imager, const ViewRange& range, std::uint64_t seed) {
   Random random(seed);
-  const float diagonal_mm = random.logBetween(range.least_diagonal_mm, range.most_diagonal_mm);
+  const float diagonal_mm = random.between(range.least_diagonal_mm, range.most_diagonal_mm);
   const float distance_mm = random.between(range.least_distance_mm, range.most_distance_mm);
   const Matrix3f roll = drawRoll(random);
   const float fx_px = imager.camera.fx_q16 / 65536.0f;

@@ -36,18 +36,6 @@ TEST(Random, NormalHasMeanZeroAndDeviationOne) {
   EXPECT_NEAR(squares / kDraws, 1, 0.01);
 }
 
-TEST(Random, LogBetweenIsEvenInTheLogarithm) {
-  Random random(1);
-  int below = 0;
-  for (int i = 0; i < 10000; ++i) {
-    const float x = random.logBetween(100, 400);
-    ASSERT_GE(x, 100);
-    ASSERT_LE(x, 400);
-    below += x < 200;
-  }
-  EXPECT_NEAR(below, 5000, 200);
-}
-
 TEST(FitCalibration, PoolsWhatFallsAndFillsWhatIsEmpty) {
   std::vector<int> right(32), asked(32);
   asked[1] = 98, right[1] = 49;   // one half

@@ -29,7 +29,7 @@ struct SensorParams {
   float correlated_px = 0.05f;     ///< disparity noise common to neighbours, standard deviation
   int correlation_px = 8;          ///< over so many pixels
   int steps_per_px = 8;            ///< disparity is quantised to 1/8 px
-  float outline_loss = 0.5f;       ///< share of an object's outline pixels (one of eight neighbours is another's) without depth
+  float outline_loss = 0.5f;       ///< share of the pixels at an object's outline that give no depth
   int most_holes = 3;              ///< round holes a view, 0 to this
   float hole_radius_px = 4;        ///< largest
   float cut_share = 1 / 3.0f;      ///< share of the views whose lowest rows are missing, as where a table was cut away
@@ -44,7 +44,7 @@ DepthImage observeClean(const RayScene& scene, const Imager& imager, const Place
 
 /// How large and how far a model is drawn, before its depth is taken: as in the queries that it will be compared with.
 struct ViewRange {
-  float least_diagonal_mm = 120, most_diagonal_mm = 380;  ///< drawn evenly in the logarithm
+  float least_diagonal_mm = 120, most_diagonal_mm = 380;
   float least_distance_mm = 650, most_distance_mm = 1150;
   float most_shift_px = 90;  ///< of the centre from the image's, across and down; less if the object would leave the image
 };
