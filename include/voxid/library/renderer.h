@@ -8,6 +8,7 @@
 
 #include "voxid/core/depth_view.h"
 #include "voxid/core/span.h"
+#include "voxid/geometry/scene.h"
 #include "voxid/library/mesh.h"
 
 namespace voxid {
@@ -28,11 +29,6 @@ Placement unitPlacement(const Mesh& mesh);
 struct Imager {
   int width_px = 640, height_px = 480;
   Camera camera = Camera::fromPixels(525, 525, 319.5, 239.5);
-};
-
-/// A rectangle of pixels; empty if width or height is 0.
-struct PixelBox {
-  int x = 0, y = 0, width = 0, height = 0;
 };
 
 /// What a ray met.
