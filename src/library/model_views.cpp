@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "random.h"
+#include "voxid/library/model_view.h"
 #include "voxid/library/renderer.h"
 #include "voxid/library/sensor_model.h"
 #include "voxid/library/views.h"
@@ -30,33 +31,27 @@ const ViewRange& rangeOf(int tried) {
   return tried == 0 ? usual : near;
 }
 
-struct Seen {
-  DepthImage image;
-  std::vector<std::uint32_t> pixels;
-  float diagonal_mm = 0;
-};
-
-Seen look(const RayScene& scene, const format::Direction& direction, const std::string& name, std::uint64_t view, int tried) {
+ModelView look(const RayScene& scene, const format::Direction& direction, const std::string& name, std::uint64_t view, int tried) {
   const Imager imager;
   const std::uint64_t number = view * kTries + static_cast<std::uint64_t>(tried);
   const Placement pose = drawPose(direction, imager, rangeOf(tried), seedOf(name, 2 * number));
-  Seen seen;
+  ModelView seen;
   seen.image = observe(scene, imager, pose, SensorParams(), seedOf(name, 2 * number + 1));
   seen.pixels = seen.image.setPixels();
   seen.diagonal_mm = pose.scale;
   return seen;
 }
 
-Seen lookUntilEnough(const RayScene& scene, const format::Direction& direction, const std::string& name, std::uint64_t view) {
-  Seen best;
+ModelView lookUntilEnough(const RayScene& scene, const format::Direction& direction, const std::string& name, std::uint64_t view) {
+  ModelView best;
   for (int tried = 0; tried < kTries && best.pixels.size() < kEnoughPoints; ++tried) {
-    Seen seen = look(scene, direction, name, view, tried);
+    ModelView seen = look(scene, direction, name, view, tried);
     if (seen.pixels.size() >= best.pixels.size()) best = std::move(seen);
   }
   return best;
 }
 
-std::array<std::uint16_t, 3> extentsOf(const Seen& seen) {
+std::array<std::uint16_t, 3> extentsOf(const ModelView& seen) {
   const DepthView view = seen.image.view();
   std::array<std::int32_t, 3> low{INT32_MAX, INT32_MAX, INT32_MAX}, high{INT32_MIN, INT32_MIN, INT32_MIN};
   for (const std::uint32_t pixel : seen.pixels) {
@@ -77,7 +72,7 @@ std::array<std::uint16_t, 3> extentsOf(const Seen& seen) {
 }
 
 /// The code of what was seen; empty if that is too little.
-std::vector<std::uint8_t> codeOf(const Seen& seen, Describer& describer) {
+std::vector<std::uint8_t> codeOf(const ModelView& seen, Describer& describer) {
   if (seen.pixels.size() < kLeastPoints) return {};
   const Described described = describer.describe(seen.image.view(), {seen.pixels.data(), seen.pixels.size()});
   if (described.status != DescribeStatus::Ok) return {};
@@ -107,6 +102,11 @@ format::Direction drawDirection(Random& random) {
 
 }  // namespace
 
+ModelView drawModelView(const RayScene& scene, const std::string& name, int direction) {
+  const format::Direction& from = viewDirections()[static_cast<std::size_t>(direction)];
+  return lookUntilEnough(scene, from, name, static_cast<std::uint64_t>(direction));
+}
+
 ModelViews makeViews(const Mesh& mesh, const std::string& name, int views_every, Describer& describer) {
   RayScene scene;
   scene.add(mesh, unitPlacement(mesh));
@@ -114,7 +114,7 @@ ModelViews makeViews(const Mesh& mesh, const std::string& name, int views_every,
 
   ModelViews made;
   for (int i = 0; i < kDirections; i += views_every) {
-    const Seen seen = lookUntilEnough(scene, viewDirections()[i], name, static_cast<std::uint64_t>(i));
+    const ModelView seen = drawModelView(scene, name, i);
     ViewRecord view;
     view.code = codeOf(seen, describer);
     if (view.code.empty()) continue;
