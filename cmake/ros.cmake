@@ -14,7 +14,8 @@ catkin_package(
   INCLUDE_DIRS include
   LIBRARIES voxid_core voxid_geometry
   CATKIN_DEPENDS message_runtime ${VOXID_CATKIN_COMPONENTS}
-  DEPENDS EIGEN3)
+  DEPENDS EIGEN3
+  CFG_EXTRAS voxid-extras.cmake)
 
 install(FILES package.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 install(DIRECTORY launch rviz cfg DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxid/pcl/shape_distribution.h"
+
+#include <gtest/gtest.h>
+#include <pcl/features/esf.h>
+
+#include <limits>
+
+#include "core/clouds.h"
+
+namespace voxid {
+namespace {
+
+using Signatures = pcl::PointCloud<pcl::Histogram<kDescriptorBytes>>;
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+template <typename PointT = pcl::PointXYZ>
+typename pcl::PointCloud<PointT>::Ptr toPcl(const test::Cloud& points) {
+  typename pcl::PointCloud<PointT>::Ptr cloud(new pcl::PointCloud<PointT>);
+  for (const PointUm& p : points) {
+    PointT point;
+    point.x = static_cast<float>(p.x * 1e-6);
+    point.y = static_cast<float>(p.y * 1e-6);
+    point.z = static_cast<float>(p.z * 1e-6);
+    cloud->push_back(point);
+  }
+  return cloud;
+}
+
+/// Calls an estimation as its users do.
+template <typename Estimation, typename Cloud, typename Output>
+void estimate(Estimation& estimation, const Cloud& cloud, Output& output) {
+  estimation.setInputCloud(cloud);
+  estimation.compute(output);
+}
+
+void expectBins(const Signatures& signatures, const Descriptor& bins) {
+  ASSERT_EQ(signatures.size(), 1u);
+  for (int i = 0; i < kDescriptorBytes; ++i) {
+    ASSERT_EQ(signatures[0].histogram[i], bins[static_cast<std::size_t>(i)]) << "bin " << i;
+  }
+}
+
+// Floats keep micrometres below 8.3 m to half a micrometre, so the points are exactly those of the core.
+TEST(ShapeDistribution, IsTheCoresDescriptorForAnyPointType) {
+  Describer describer;
+  for (const test::Cloud& cloud : {test::mug(), test::boxCorner(), test::sphereCap(), test::ruler()}) {
+    const Described expected = describer.describe(test::spanOf(cloud));
+    Signatures plain, coloured;
+    ShapeDistributionEstimation<pcl::PointXYZ> estimation;
+    estimate(estimation, toPcl(cloud), plain);
+    expectBins(plain, expected.bins);
+    ShapeDistributionEstimation<pcl::PointXYZRGBA> of_coloured;
+    estimate(of_coloured, toPcl<pcl::PointXYZRGBA>(cloud), coloured);
+    expectBins(coloured, expected.bins);
+    EXPECT_EQ(estimation.getStatus(), DescribeStatus::Ok);
+  }
+}
+
+TEST(ShapeDistribution, IsCalledLikeEsfAndAnswersInTheSameShape) {
+  const auto cloud = toPcl(test::mug());
+  cloud->header.frame_id = "camera";
+  cloud->header.stamp = 1234;
+  pcl::ESFEstimation<pcl::PointXYZ> esf;
+  pcl::PointCloud<pcl::ESFSignature640> theirs;
+  estimate(esf, cloud, theirs);
+  ShapeDistributionEstimation<pcl::PointXYZ> ours;
+  Signatures signature;
+  estimate(ours, cloud, signature);
+  ASSERT_EQ(theirs.size(), 1u);
+  EXPECT_EQ(signature.size(), theirs.size());
+  EXPECT_EQ(signature.width, theirs.width);
+  EXPECT_EQ(signature.height, theirs.height);
+  EXPECT_EQ(signature.header.frame_id, theirs.header.frame_id);
+  EXPECT_EQ(signature.header.stamp, theirs.header.stamp);
+}
+
+TEST(ShapeDistribution, WorksThroughTheBaseClass) {
+  ShapeDistributionEstimation<pcl::PointXYZ> estimation;
+  pcl::Feature<pcl::PointXYZ, pcl::Histogram<kDescriptorBytes>>& base = estimation;
+  Signatures direct, through_base;
+  estimate(estimation, toPcl(test::mug()), direct);
+  base.compute(through_base);
+  ASSERT_EQ(through_base.size(), 1u);
+  EXPECT_TRUE(std::equal(direct[0].histogram, direct[0].histogram + kDescriptorBytes, through_base[0].histogram));
+}
+
+TEST(ShapeDistribution, HonoursIndices) {
+  test::Cloud both = test::mug();
+  const std::size_t mugs = both.size();
+  for (PointUm p : test::ruler()) both.push_back(p);
+  pcl::IndicesPtr indices(new pcl::Indices);
+  for (std::size_t i = 0; i < mugs; ++i) indices->push_back(static_cast<int>(i));
+  ShapeDistributionEstimation<pcl::PointXYZ> estimation;
+  estimation.setIndices(indices);
+  Signatures signature;
+  estimate(estimation, toPcl(both), signature);
+  expectBins(signature, Describer().describe(test::spanOf(test::mug())).bins);
+}
+
+TEST(ShapeDistribution, LeavesOutPointsThatAreNowhere) {
+  const auto cloud = toPcl(test::mug());
+  cloud->is_dense = false;
+  cloud->insert(cloud->begin(), {kNaN, 0, 1});
+  cloud->push_back({0, std::numeric_limits<float>::infinity(), 1});
+  cloud->push_back({0, 0, -3e9f});
+  ShapeDistributionEstimation<pcl::PointXYZ> estimation;
+  Signatures signature;
+  estimate(estimation, cloud, signature);
+  expectBins(signature, Describer().describe(test::spanOf(test::mug())).bins);
+}
+
+// ESF never returns from two points, or from fifty equal ones.
+TEST(ShapeDistribution, AnswersDegenerateCloudsWithAStatus) {
+  ShapeDistributionEstimation<pcl::PointXYZ> estimation;
+  Signatures signature;
+  estimate(estimation, toPcl({}), signature);
+  EXPECT_TRUE(signature.empty());
+  EXPECT_EQ(estimation.getStatus(), DescribeStatus::Empty);
+  estimate(estimation, toPcl(test::Cloud(50, PointUm{1, 2, 3000})), signature);
+  EXPECT_TRUE(signature.empty());
+  EXPECT_EQ(estimation.getStatus(), DescribeStatus::Degenerate);
+  const test::Cloud two{{0, 0, 1000}, {5000, 0, 1000}};
+  estimate(estimation, toPcl(two), signature);
+  expectBins(signature, Describer().describe(test::spanOf(two)).bins);
+}
+
+TEST(ShapeDistribution, TakesTheParametersOfTheDescriptor) {
+  const DescriptorParams params{4000, 7};
+  ShapeDistributionEstimation<pcl::PointXYZ> estimation(params);
+  Signatures signature;
+  estimate(estimation, toPcl(test::mug()), signature);
+  expectBins(signature, Describer(params).describe(test::spanOf(test::mug())).bins);
+}
+
+}  // namespace
+}  // namespace voxid
