@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Any bytes as an index: refused, or used without harm. Once as they are, once with the sums that a writer would have
+// made, without which next to nothing would pass the header.
+#include <algorithm>
+#include <cstring>
+#include <vector>
+
+#include "memory_file.h"
+#include "voxid/core/classifier.h"
+#include "voxid/core/crc32c.h"
+#include "voxid/core/index.h"
+#include "voxid/core/search.h"
+#include "voxid/library/index_writer.h"
+
+namespace {
+
+using namespace voxid;
+using Bytes = std::vector<std::uint8_t>;
+
+void search(const std::shared_ptr<const Index>& index) {
+  const std::vector<std::uint8_t> code(index->parameters().code_bytes, 9);
+  for (const auto& search : {makeExactSearch(index), makeLshSearch(index, 4), makeLshSearch(index, kKeyBits)}) {
+    const Answer answer = classify(*index, search->find(code.data()), ClassifyMethod::Vote, 0);
+    for (int i = 0; i < answer.count; ++i) {
+      const Alternative& alternative = answer.alternatives[static_cast<std::size_t>(i)];
+      if (alternative.view >= index->views().size) std::abort();
+      index->categoryName(alternative.category);
+      index->modelName(index->views()[alternative.view].model);
+    }
+  }
+}
+
+void use(const Bytes& bytes) {
+  const fuzz::MemoryFile file(bytes.data(), bytes.size());
+  const auto index = Index::open(file.path());
+  if (index.ok() == !index.status.sentence.empty()) std::abort();  // a refusal has a reason
+  if (!index.ok()) return;
+  search(index.value);
+  (void)index.value->verify();
+  (void)readContent(*index.value);
+}
+
+void sumSections(Bytes& bytes, format::Header& header) {
+  for (std::uint32_t i = 0; i < header.sections; ++i) {
+    std::uint8_t* const entry = bytes.data() + sizeof header + i * sizeof(format::Section);
+    format::Section section;
+    std::memcpy(&section, entry, sizeof section);
+    if (section.offset > bytes.size() || section.length > bytes.size() - section.offset) continue;
+    section.crc32c = crc32c(bytes.data() + section.offset, section.length);
+    std::memcpy(entry, &section, sizeof section);
+    if (std::memcmp(section.tag, "PARM", 4) == 0) header.descriptor_crc32c = section.crc32c;
+  }
+}
+
+/// Makes the header and all sums fit what follows.
+void repair(Bytes& bytes) {
+  bytes.resize((bytes.size() + format::kAlignment - 1) / format::kAlignment * format::kAlignment);
+  format::Header header;
+  if (bytes.size() < sizeof header) return;
+  std::memcpy(&header, bytes.data(), sizeof header);
+  std::memcpy(header.magic, format::kMagic, sizeof header.magic);
+  header.major = format::kMajor;
+  header.header_bytes = sizeof header;
+  header.file_bytes = bytes.size();
+  const std::size_t room = (bytes.size() - sizeof header) / sizeof(format::Section);
+  header.sections = static_cast<std::uint32_t>(std::min<std::size_t>({header.sections, format::kMaxSections, room}));
+  sumSections(bytes, header);
+  header.crc32c = 0;
+  std::memcpy(bytes.data(), &header, sizeof header);
+  header.crc32c = crc32c(bytes.data(), sizeof header + header.sections * sizeof(format::Section));
+  std::memcpy(bytes.data(), &header, sizeof header);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  Bytes bytes(data, data + size);
+  use(bytes);
+  repair(bytes);
+  use(bytes);
+  return 0;
+}
