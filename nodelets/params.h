@@ -25,6 +25,12 @@ inline SegmentParams paramsOf(const SegmentationConfig& config) {
   params.min_margin_per_km = config.min_margin_per_km;
   params.cluster_gap_mm = config.cluster_gap_mm;
   params.bridge_px = config.bridge_px;
+  params.split = config.split;
+  params.split_angle_deg = config.split_angle_deg;
+  params.split_step_mm = config.split_step_mm;
+  params.split_share_percent = config.split_share_percent;
+  params.split_min_pixels = config.split_min_pixels;
+  params.join = config.join;
   params.outline_margin_mm = config.outline_margin_mm;
   params.min_cluster_pixels = config.min_cluster_pixels;
   params.max_clusters = config.max_clusters;

@@ -74,23 +74,26 @@ PointUm pointOf(const InverseDepth& inverse, const Rays& rays, std::uint32_t pix
   return rays.point(static_cast<int>(pixel - v * width), static_cast<int>(v), depthUmOf(inverse.values[pixel]));
 }
 
-PixelBox pixelBoxOf(Span<const std::uint32_t> pixels, int width_px) {
-  const auto width = static_cast<std::uint32_t>(width_px);
-  int left = width_px, right = 0;
-  for (const std::uint32_t pixel : pixels) {
-    const int u = static_cast<int>(pixel % width);
-    left = std::min(left, u);
-    right = std::max(right, u);
-  }
-  const int top = static_cast<int>(pixels[0] / width), bottom = static_cast<int>(pixels[pixels.size - 1] / width);
-  return {left, top, right - left + 1, bottom - top + 1};
-}
-
 bool touchesBorder(const PixelBox& box, int width_px, int height_px) {
   return box.x == 0 || box.y == 0 || box.x + box.width == width_px || box.y + box.height == height_px;
 }
 
 }  // namespace
+
+PixelBox pixelBoxOf(Span<const std::uint32_t> pixels, int width_px) {
+  const auto width = static_cast<std::uint32_t>(width_px);
+  std::uint32_t row_begin = 0, row_end = 0, left = width, right = 0;
+  for (const std::uint32_t pixel : pixels) {
+    if (pixel >= row_end) {
+      row_begin = pixel - pixel % width;
+      row_end = row_begin + width;
+    }
+    left = std::min(left, pixel - row_begin);
+    right = std::max(right, pixel - row_begin);
+  }
+  const auto top = static_cast<int>(pixels[0] / width), bottom = static_cast<int>(pixels[pixels.size - 1] / width);
+  return {static_cast<int>(left), top, static_cast<int>(right - left) + 1, bottom - top + 1};
+}
 
 BoxFitter::BoxFitter() : columns_(kColumns) {
   sorted_.reserve(2 * kColumns);

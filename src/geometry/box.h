@@ -10,6 +10,9 @@
 
 namespace voxid {
 
+/// The smallest box around ascending pixels; at least one.
+PixelBox pixelBoxOf(Span<const std::uint32_t> pixels, int width_px);
+
 /// Pixel box, centroid, and the smallest box that stands on the table around the points.
 class BoxFitter {
  public:

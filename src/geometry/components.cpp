@@ -2,6 +2,7 @@
 #include "components.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 
@@ -66,6 +67,18 @@ void Components::unite(std::uint32_t a, std::uint32_t b) {
 void Components::uniteParts(std::size_t a, std::size_t b) {
   unite(static_cast<std::uint32_t>(node_of_[sorted_pixels_[first_[a]]]),
         static_cast<std::uint32_t>(node_of_[sorted_pixels_[first_[b]]]));
+}
+
+void Components::splitPart(std::size_t part, Span<const std::uint8_t> numbers) {
+  std::array<std::int32_t, 256> root_of;
+  root_of.fill(-1);
+  const Span<const std::uint32_t> pixels = pixelsOf(part);
+  for (std::size_t i = 0; i < pixels.size; ++i) {
+    const std::int32_t node = node_of_[pixels[i]];
+    std::int32_t& root = root_of[numbers[i]];
+    if (root < 0) root = node;
+    parent_[static_cast<std::size_t>(node)] = static_cast<std::uint32_t>(root);
+  }
 }
 
 bool Components::nearInSpace(std::uint32_t a, std::uint32_t b) const {

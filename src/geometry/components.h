@@ -22,6 +22,10 @@ class Components {
   /// Makes one part of two; numbers and pixels of the parts change with the next sort() only.
   void uniteParts(std::size_t a, std::size_t b);
 
+  /// Makes a part of the pixels that share a number, one for each pixel of the part; numbers and pixels of the parts
+  /// change with the next sort() only.
+  void splitPart(std::size_t part, Span<const std::uint8_t> numbers);
+
   /// Numbers the parts 0, 1, ... by their first pixel and sorts their pixels.
   void sort();
   std::size_t parts() const { return first_.empty() ? 0 : first_.size() - 1; }

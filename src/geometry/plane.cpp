@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "angle.h"
+
 namespace voxid {
 namespace {
 
@@ -12,10 +14,6 @@ constexpr double kMissProbability = 1e-4;  // RANSAC stops at a confidence of 0.
 constexpr int kSampleSites = 2133;         // every 12th pixel both ways at 640 x 480
 constexpr int kRefits = 2;
 constexpr double kFarthestTable_m = 100;  // micrometres stay below 2^31
-constexpr double kDegree = 3.14159265358979323846 / 180;
-
-/// Rounded, so that the last bit of a platform's cosine decides nothing.
-double cosine(int angle_deg) { return std::round(std::cos(angle_deg * kDegree) * 1e6) / 1e6; }
 
 std::int32_t saturate(double x) { return static_cast<std::int32_t>(std::floor(std::clamp(x, -5e8, 5e8) + 0.5)); }
 
@@ -248,7 +246,7 @@ PlaneFinder::Candidate PlaneFinder::tableAboveFloor(Candidate floor, const Camer
                                                     const SegmentParams& params) {
   constexpr double kTableAboveFloor_m = 0.3;
   constexpr int kMostLevels = 3;
-  const double parallel = cosine(8);
+  const double parallel = cosineOf(8);
   const auto enough = static_cast<double>(samples_.size()) * 0.15;
   for (int level = 0; level < kMostLevels; ++level) {
     const MetricPlane below = metricOf(floor.plane, camera);
@@ -270,7 +268,7 @@ PlaneFinder::Candidate PlaneFinder::tableAboveFloor(Candidate floor, const Camer
 bool PlaneFinder::find(const InverseDepth& inverse, const Camera& camera, const SegmentParams& params,
                        InversePlane& plane, PlaneSums& sums) {
   takeSamples(inverse);
-  const double least_up = cosine(params.max_tilt_deg);
+  const double least_up = cosineOf(params.max_tilt_deg);
   const Candidate largest = draw(samples_, params, [&](const InversePlane& candidate) {
     return -metricOf(candidate, camera).normal.y() >= least_up;
   });

@@ -10,6 +10,7 @@
 #include "join.h"
 #include "plan.h"
 #include "plane.h"
+#include "split.h"
 
 namespace voxid {
 namespace {
@@ -43,6 +44,7 @@ struct Segmenter::Workspace {
   Plan plan;
   Outline outline;
   Components components;
+  Splitter splitter;
   Joiner joiner;
   BoxFitter boxes;
   std::vector<Cluster> clusters;
@@ -67,6 +69,7 @@ void Segmenter::Workspace::reserve(int width_px, int height_px) {
   rays.reserve(width_px, height_px);
   outline.reserve(height_px);
   components.reserve(pixels, width_px);
+  splitter.reserve(width_px, height_px);
   joiner.reserve(pixels);
   boxes.reserve(pixels);
   clusters.reserve(kMostClusters);
@@ -152,7 +155,10 @@ void Segmenter::Workspace::findClusters(const DepthView& depth, const SegmentPar
   components.find(surface, params);
   components.sort();
   const std::size_t fewest = std::max<std::size_t>(scaled(params.min_cluster_pixels, inverse), 1);
-  if (joiner.join(surface, depth.camera, std::max<std::size_t>(fewest / 5, 1), components)) components.sort();
+  const std::size_t smallest_piece = std::max<std::size_t>(scaled(params.split_min_pixels, inverse), 1);
+  if (params.split && splitter.split(surface, depth.camera, smallest_piece, params, components)) components.sort();
+  const std::size_t smallest_joined = std::max<std::size_t>(fewest / 5, 1);
+  if (params.join && joiner.join(surface, depth.camera, smallest_joined, components)) components.sort();
   const auto most = std::min(static_cast<std::size_t>(std::max(params.max_clusters, 1)), kMostClusters);
   for (std::size_t part = 0; part < components.parts(); ++part) {
     const Span<const std::uint32_t> pixels = components.pixelsOf(part);

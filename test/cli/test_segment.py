@@ -137,5 +137,7 @@ def test_evaluation_of_the_real_scenes(voxid):
     assert score["alone"] == 152 and score["whole"] == 119 and score["objects"] == 329
     assert score["alone_found"] >= 147
     assert score["whole_found"] >= 118
+    assert score["right"] >= 287
+    assert score["f_us"] <= 0.06
     assert score["over"] <= 9
     assert score["table_clusters"] == 0

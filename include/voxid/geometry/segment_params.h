@@ -28,6 +28,18 @@ struct SegmentParams {
   int cluster_gap_mm = 15;
   /// Gaps without depth up to this many pixels along a row or column are bridged. Larger costs time and joins neighbours. [1 to 32]
   int bridge_px = 8;
+  /// Split touching and stacked objects where they meet. Off saves up to a third of the time where objects pile up.
+  bool split = true;
+  /// Objects meet where the surface turns towards the viewer by more than this. Lower cuts hollow objects, higher leaves flush ones together. [10 to 90]
+  int split_angle_deg = 30;
+  /// Objects also meet where the depth steps by this and less than cluster_gap_mm. [2 to 100]
+  int split_step_mm = 8;
+  /// Pieces stay together if less of their border is crease or step. Higher splits less. [1 to 100]
+  int split_share_percent = 35;
+  /// Pieces with fewer pixels (at 640 x 480; scaled for other sizes) go to their neighbours. [50 to 100000]
+  int split_min_pixels = 800;
+  /// Join what a nearer object cuts in two, and the near and far wall of a vessel.
+  bool join = true;
   /// How far outside the table's outline an object may still stand. [0 to 500]
   int outline_margin_mm = 50;
   /// Clusters with fewer pixels are dropped and counted (at 640 x 480; scaled for other sizes). [20 to 20000]
@@ -50,6 +62,12 @@ void visitParams(SegmentParams& params, Visit visit) {
   visit("min_margin_per_km", params.min_margin_per_km, 0, 100);
   visit("cluster_gap_mm", params.cluster_gap_mm, 2, 100);
   visit("bridge_px", params.bridge_px, 1, 32);
+  visit("split", params.split, false, true);
+  visit("split_angle_deg", params.split_angle_deg, 10, 90);
+  visit("split_step_mm", params.split_step_mm, 2, 100);
+  visit("split_share_percent", params.split_share_percent, 1, 100);
+  visit("split_min_pixels", params.split_min_pixels, 50, 100000);
+  visit("join", params.join, false, true);
   visit("outline_margin_mm", params.outline_margin_mm, 0, 500);
   visit("min_cluster_pixels", params.min_cluster_pixels, 20, 20000);
   visit("max_clusters", params.max_clusters, 1, 255);

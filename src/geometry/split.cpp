@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "split.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "angle.h"
+#include "box.h"
+
+namespace voxid {
+namespace {
+
+constexpr int kArm = 3;               // cells to either side that a slope is taken over
+constexpr int kAcross = 2;            // cells to either side of a crease at which normals are compared
+constexpr std::uint8_t kSmall = 255;  // a piece too small to be one
+constexpr std::uint8_t kBeingFlooded = 254;
+
+std::uint8_t longer(std::uint8_t arm) { return static_cast<std::uint8_t>(std::min(arm + 1, kArm)); }
+
+}  // namespace
+
+Splitter::Splitter() : borders_((kMostPieces + 1) * (kMostPieces + 1)), joined_(kMostPieces + 1) {}
+
+void Splitter::reserve(int width_px, int height_px) {
+  for (shift_ = 0; width_px >> (shift_ + 1) >= 320; ++shift_) {
+  }
+  const auto most =
+      static_cast<std::size_t>((width_px >> shift_) + 3) * static_cast<std::size_t>((height_px >> shift_) + 3);
+  cells_.reserve(most);
+  normals_.reserve(most);
+  queue_.reserve(most);
+  piece_of_pixel_.reserve(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px));
+}
+
+/// visit(pixel, index of its cell) in the order of the pixels, which are ascending.
+template <typename Visit>
+void Splitter::visitPixels(int width_px, Span<const std::uint32_t> pixels, Visit visit) const {
+  const auto width = static_cast<std::uint32_t>(width_px);
+  std::uint32_t row_begin = 0, row_end = 0;
+  std::size_t row_cells = 0;
+  for (const std::uint32_t pixel : pixels) {
+    if (pixel >= row_end) {
+      row_begin = pixel - pixel % width;
+      row_end = row_begin + width;
+      row_cells = static_cast<std::size_t>((static_cast<int>(pixel / width) >> shift_) - top_) * columns_;
+    }
+    const int column = static_cast<int>(pixel - row_begin) >> shift_;
+    visit(pixel, row_cells + static_cast<std::size_t>(column - left_));
+  }
+}
+
+void Splitter::takeCells(const InverseDepth& inverse, Span<const std::uint32_t> pixels) {
+  const PixelBox box = pixelBoxOf(pixels, inverse.width_px);
+  left_ = (box.x >> shift_) - 1;
+  top_ = (box.y >> shift_) - 1;
+  columns_ = static_cast<std::size_t>(((box.x + box.width - 1) >> shift_) - left_ + 2);
+  const auto rows = static_cast<std::size_t>(((box.y + box.height - 1) >> shift_) - top_ + 2);
+  cells_.assign(columns_ * rows, Cell{});
+  visitPixels(inverse.width_px, pixels, [&](std::uint32_t pixel, std::size_t cell) {
+    cells_[cell].inverse += inverse.values[pixel] >> (2 * shift_);
+    ++cells_[cell].pixels;
+  });
+  const int all = 1 << (2 * shift_);
+  for (Cell& cell : cells_) {
+    if (cell.pixels > 0 && cell.pixels != all) cell.inverse = cell.inverse / cell.pixels * all;
+  }
+}
+
+/// |1/a - 1/b| < step, multiplied out; false if one of them is 0.
+bool Splitter::linked(std::int32_t a, std::int32_t b) const {
+  const auto from = static_cast<float>(a), to = static_cast<float>(b);
+  return std::abs(from - to) < step_ * from * to;
+}
+
+void Splitter::linkCells() {
+  for (std::size_t i = columns_; i + columns_ < cells_.size(); ++i) {
+    Cell& cell = cells_[i];
+    if (linked(cells_[i - 1].inverse, cell.inverse)) cell.left = longer(cells_[i - 1].left);
+    if (linked(cells_[i - columns_].inverse, cell.inverse)) cell.up = longer(cells_[i - columns_].up);
+  }
+  for (std::size_t i = cells_.size() - columns_; i-- > columns_;) {
+    Cell& cell = cells_[i];
+    if (cells_[i + 1].left > 0) cell.right = longer(cells_[i + 1].right);
+    if (cells_[i + columns_].up > 0) cell.down = longer(cells_[i + columns_].down);
+  }
+}
+
+/// In inverse depth a plane is affine in the pixel, and its two slopes and its value give its normal.
+void Splitter::orientCells(const Camera& camera) {
+  const float pixel = 1.0f / static_cast<float>(65536 << shift_);
+  const float half = 0.5f - 0.5f / static_cast<float>(1 << shift_);  // a cell's middle, in cells
+  const float fx = static_cast<float>(camera.fx_q16) * pixel, fy = static_cast<float>(camera.fy_q16) * pixel;
+  const float cx = static_cast<float>(camera.cx_q16) * pixel - half,
+              cy = static_cast<float>(camera.cy_q16) * pixel - half;
+  normals_.resize(cells_.size());
+  for (std::size_t row = columns_, v = 1; row + columns_ < cells_.size(); row += columns_, ++v) {
+    for (std::size_t u = 1; u + 1 < columns_; ++u) {
+      const std::size_t i = row + u;
+      const Cell& cell = cells_[i];
+      Normal& normal = normals_[i];
+      normal.square = 0;
+      const int across = cell.left + cell.right, along = cell.up + cell.down;
+      if (across < 2 || along < 2) continue;
+      normal.slope_u = static_cast<float>(cells_[i + cell.right].inverse - cells_[i - cell.left].inverse) /
+                       static_cast<float>(across);
+      normal.slope_v =
+          static_cast<float>(cells_[i + cell.down * columns_].inverse - cells_[i - cell.up * columns_].inverse) /
+          static_cast<float>(along);
+      normal.x = normal.slope_u * fx;
+      normal.y = normal.slope_v * fy;
+      normal.z = static_cast<float>(cell.inverse) -
+                 normal.slope_u * (static_cast<float>(left_ + static_cast<int>(u)) - cx) -
+                 normal.slope_v * (static_cast<float>(top_ + static_cast<int>(v)) - cy);
+      normal.square = normal.x * normal.x + normal.y * normal.y + normal.z * normal.z;
+    }
+  }
+}
+
+/// Whether the surface turns towards the viewer from cell a to cell b by more than the angle.
+bool Splitter::bends(std::size_t a, std::size_t b, float Normal::*slope, float square_cosine) const {
+  const Normal &p = normals_[a], &q = normals_[b];
+  if (p.square == 0 || q.square == 0 || q.*slope <= p.*slope) return false;
+  const float dot = p.x * q.x + p.y * q.y + p.z * q.z;
+  return dot <= 0 || dot * dot < square_cosine * p.square * q.square;
+}
+
+void Splitter::markCreases(int angle_deg) {
+  const auto cosine = static_cast<float>(cosineOf(angle_deg));
+  const float square_cosine = cosine * cosine;
+  for (std::size_t i = columns_; i + columns_ < cells_.size(); ++i) {
+    Cell& cell = cells_[i];
+    const std::size_t left = std::min<std::size_t>(cell.left, kAcross),
+                      right = std::min<std::size_t>(cell.right, kAcross);
+    const std::size_t up = std::min<std::size_t>(cell.up, kAcross), down = std::min<std::size_t>(cell.down, kAcross);
+    cell.crease =
+        (left + right >= kAcross && bends(i - left, i + right, &Normal::slope_u, square_cosine)) ||
+        (up + down >= kAcross && bends(i - up * columns_, i + down * columns_, &Normal::slope_v, square_cosine));
+  }
+}
+
+/// Marks what hangs together with a cell without a step or a crease between; its number of pixels.
+std::size_t Splitter::flood(std::size_t first) {
+  std::size_t pixels = 0;
+  queue_.clear();
+  const auto visit = [&](std::size_t i) {
+    Cell& cell = cells_[i];
+    if (cell.piece != 0 || cell.crease) return;
+    cell.piece = kBeingFlooded;
+    pixels += cell.pixels;
+    queue_.push_back(static_cast<std::uint32_t>(i));
+  };
+  visit(first);
+  for (std::size_t k = 0; k < queue_.size(); ++k) {
+    const std::size_t i = queue_[k];
+    const Cell& cell = cells_[i];
+    if (cell.left > 0) visit(i - 1);
+    if (cell.right > 0) visit(i + 1);
+    if (cell.up > 0) visit(i - columns_);
+    if (cell.down > 0) visit(i + columns_);
+  }
+  return pixels;
+}
+
+/// Numbers the pieces by their first cells.
+std::uint8_t Splitter::findPieces(std::size_t fewest) {
+  std::uint8_t count = 0;
+  for (std::size_t i = columns_; i + columns_ < cells_.size(); ++i) {
+    if (cells_[i].inverse == 0 || cells_[i].piece != 0 || cells_[i].crease) continue;
+    const bool enough = flood(i) >= fewest && count < kMostPieces;
+    if (enough) ++count;
+    for (const std::uint32_t k : queue_) cells_[k].piece = enough ? count : kSmall;
+  }
+  return count;
+}
+
+/// Creases and small pieces go to the pieces around them, cell by cell from all of those at once.
+void Splitter::growPieces() {
+  queue_.clear();
+  for (std::size_t i = columns_; i + columns_ < cells_.size(); ++i) {
+    if (cells_[i].piece == kSmall) cells_[i].piece = 0;
+    if (cells_[i].piece != 0) queue_.push_back(static_cast<std::uint32_t>(i));
+  }
+  for (std::size_t k = 0; k < queue_.size(); ++k) {
+    const std::size_t i = queue_[k];
+    for (const std::size_t next : {i - 1, i + 1, i - columns_, i + columns_}) {
+      if (cells_[next].inverse == 0 || cells_[next].piece != 0) continue;
+      cells_[next].piece = cells_[i].piece;
+      queue_.push_back(static_cast<std::uint32_t>(next));
+    }
+  }
+}
+
+void Splitter::measureBorders(std::uint8_t count) {
+  std::fill(borders_.begin(), borders_.begin() + (count + 1) * (kMostPieces + 1), Border{});
+  const auto compare = [&](const Cell& a, const Cell& b, bool step) {
+    if (a.piece == b.piece || a.piece == 0 || b.piece == 0) return;
+    Border& border = borders_[std::min(a.piece, b.piece) * (kMostPieces + 1u) + std::max(a.piece, b.piece)];
+    ++border.cells;
+    border.creased += step || a.crease || b.crease;
+  };
+  for (std::size_t i = columns_; i + columns_ < cells_.size(); ++i) {
+    compare(cells_[i], cells_[i + 1], cells_[i].right == 0);
+    compare(cells_[i], cells_[i + columns_], cells_[i].down == 0);
+  }
+}
+
+/// Pieces whose border is hardly a crease are one; how many there are then.
+int Splitter::rejoin(std::uint8_t count, int share_percent) {
+  measureBorders(count);
+  for (int i = 0; i <= count; ++i) joined_[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(i);
+  int left = count;
+  for (std::size_t a = 1; a <= count; ++a) {
+    for (std::size_t b = a + 1; b <= count; ++b) {
+      const Border& border = borders_[a * (kMostPieces + 1) + b];
+      const std::uint8_t low = std::min(joined_[a], joined_[b]), high = std::max(joined_[a], joined_[b]);
+      if (low == high || border.creased * 100 >= border.cells * static_cast<std::uint32_t>(share_percent)) continue;
+      std::replace(joined_.begin() + 1, joined_.begin() + count + 1, high, low);
+      --left;
+    }
+  }
+  return left;
+}
+
+/// Of a cell and its neighbours the one whose depth is next to the pixel's: a cell at a step holds pixels of both
+/// sides.
+std::size_t Splitter::nearestCell(std::size_t cell, std::int32_t inverse) const {
+  std::size_t nearest = cell;
+  for (const std::size_t next : {cell - 1, cell + 1, cell - columns_, cell + columns_}) {
+    const bool nearer = std::abs(cells_[next].inverse - inverse) < std::abs(cells_[nearest].inverse - inverse);
+    if (cells_[next].piece != 0 && nearer) nearest = next;
+  }
+  return nearest;
+}
+
+/// What no piece has grown to goes with the pixel before it.
+Span<const std::uint8_t> Splitter::piecesOf(const InverseDepth& inverse, Span<const std::uint32_t> pixels) {
+  piece_of_pixel_.clear();
+  std::uint8_t last = 1;
+  visitPixels(inverse.width_px, pixels, [&](std::uint32_t pixel, std::size_t cell) {
+    const std::int32_t value = inverse.values[pixel];
+    const std::size_t own = linked(value, cells_[cell].inverse) ? cell : nearestCell(cell, value);
+    if (cells_[own].piece != 0) last = joined_[cells_[own].piece];
+    piece_of_pixel_.push_back(last);
+  });
+  return {piece_of_pixel_.data(), piece_of_pixel_.size()};
+}
+
+bool Splitter::split(const Surface& surface, const Camera& camera, std::size_t fewest, const SegmentParams& params,
+                     Components& components) {
+  bool any = false;
+  step_ = static_cast<float>(params.split_step_mm * 1000 / kUnitsTimesUm);
+  for (std::size_t part = 0; part < components.parts(); ++part) {
+    const Span<const std::uint32_t> pixels = components.pixelsOf(part);
+    if (pixels.size < 2 * fewest) continue;
+    takeCells(surface.inverse, pixels);
+    linkCells();
+    orientCells(camera);
+    markCreases(params.split_angle_deg);
+    const std::uint8_t count = findPieces(fewest);
+    if (count < 2) continue;
+    growPieces();
+    if (rejoin(count, params.split_share_percent) < 2) continue;
+    components.splitPart(part, piecesOf(surface.inverse, pixels));
+    any = true;
+  }
+  return any;
+}
+
+}  // namespace voxid
