@@ -57,6 +57,8 @@ std::string summaryOf(const CaptureSnapshot& snapshot) {
 }  // namespace
 
 CaptureNodelet::~CaptureNodelet() {
+  timer_.stop();  // reports and settings reach for the loop; a listener that leaves now finds none
+  config_.reset();
   const std::lock_guard<std::mutex> lock(listeners_mutex_);
   loop_.reset();
 }

@@ -50,6 +50,8 @@ class CaptureNodelet : public nodelet::Nodelet {
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
   void setCalibrationProblem(const std::string& sentence);
 
+  std::mutex listeners_mutex_;
+  std::unique_ptr<CaptureLoop> loop_;  // after the destructor's body null, and there until the publishers are gone
   Output depth_, colour_;
   std::atomic<int> stamp_offset_ms_{0};
   std::mutex calibration_mutex_;
@@ -62,9 +64,6 @@ class CaptureNodelet : public nodelet::Nodelet {
   ros::Time last_stamp_;
   std::uint64_t last_timestamp_us_ = 0;
   Sensor last_sensor_ = Sensor::Depth;
-
-  std::mutex listeners_mutex_;
-  std::unique_ptr<CaptureLoop> loop_;
 };
 
 }  // namespace voxid

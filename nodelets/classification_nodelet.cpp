@@ -6,6 +6,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "stopwatch.h"
+#include "turns.h"
 
 namespace voxid {
 namespace {
@@ -34,6 +35,12 @@ void setStatus(std::uint8_t status, const std::string& sentence, Objects* object
 
 }  // namespace
 
+ClassificationNodelet::~ClassificationNodelet() {
+  const std::lock_guard<std::mutex> turn(subscriptionTurn());
+  closing_ = true;  // a listener may leave while the members go
+  unsubscribe();
+}
+
 void ClassificationNodelet::onInit() {
   ros::NodeHandle& node = getNodeHandle();
   health_.start(node, getPrivateNodeHandle(), getName());
@@ -49,13 +56,14 @@ void ClassificationNodelet::onInit() {
   frames_->registerDropCallback(boost::bind(&Health::dropped, &health_));
 
   // The callback may come before advertise has returned, and then must wait for the publisher.
-  const std::lock_guard<std::mutex> lock(listeners_mutex_);
+  const std::lock_guard<std::mutex> turn(subscriptionTurn());
   const ros::SubscriberStatusCallback changed = [this](const ros::SingleSubscriberPublisher&) { onListeners(); };
   objects_ = node.advertise<Objects>("objects", 2, changed, changed);
 }
 
 void ClassificationNodelet::onListeners() {
-  const std::lock_guard<std::mutex> lock(listeners_mutex_);
+  const std::lock_guard<std::mutex> turn(subscriptionTurn());
+  if (closing_) return;
   const bool wanted = objects_.getNumSubscribers() > 0;
   const bool subscribed = static_cast<bool>(segments_.getSubscriber());
   if (wanted == subscribed) return;
@@ -66,10 +74,14 @@ void ClassificationNodelet::onListeners() {
     info_.subscribe(getNodeHandle(), "depth/camera_info", 8);
     segments_.subscribe(getNodeHandle(), "segments", 1);
   } else {
-    image_.unsubscribe();
-    info_.unsubscribe();
-    segments_.unsubscribe();
+    unsubscribe();
   }
+}
+
+void ClassificationNodelet::unsubscribe() {
+  image_.unsubscribe();
+  info_.unsubscribe();
+  segments_.unsubscribe();
 }
 
 void ClassificationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image,

@@ -25,6 +25,9 @@ namespace voxid {
 /// (path of a .vxi file), ~watch_index (true: a replaced file is used within a second), ~target_frame (empty: poses
 /// stay in the camera's frame).
 class ClassificationNodelet : public nodelet::Nodelet {
+ public:
+  ~ClassificationNodelet() override;
+
  protected:
   virtual void onFrame(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info,
                        const SegmentsConstPtr& segments);
@@ -34,6 +37,7 @@ class ClassificationNodelet : public nodelet::Nodelet {
 
   void onInit() override;
   void onListeners();
+  void unsubscribe();
   void onConfig(const ClassificationConfig& config);
   void startTransforms();
   void followIndex(bool replaced);
@@ -44,7 +48,7 @@ class ClassificationNodelet : public nodelet::Nodelet {
   void report(const Objects& objects, const Status& input);
   ClassifyParams params() const;
 
-  std::mutex listeners_mutex_;
+  bool closing_ = false;
   mutable std::mutex params_mutex_;
   ClassifyParams params_;
   IndexWatch watch_;

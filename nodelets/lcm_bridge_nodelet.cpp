@@ -3,6 +3,8 @@
 
 #include <pluginlib/class_list_macros.hpp>
 
+#include "turns.h"
+
 namespace voxid {
 namespace {
 
@@ -22,6 +24,7 @@ void LcmBridgeNodelet::onInit() {
   health_.start(getNodeHandle(), getPrivateNodeHandle(), getName());
   health_.listening(true);
   connect();
+  const std::lock_guard<std::mutex> turn(subscriptionTurn());
   objects_ = getNodeHandle().subscribe("objects", 2, &LcmBridgeNodelet::onObjects, this);
 }
 

@@ -8,8 +8,16 @@
 
 #include "conversions.h"
 #include "drawing.h"
+#include "turns.h"
 
 namespace voxid {
+
+OverlayNodelet::~OverlayNodelet() {
+  const std::lock_guard<std::mutex> turn(subscriptionTurn());
+  closing_ = true;  // a listener may leave while the members go
+  listenForMarkers(false);
+  listenForOverlay(false);
+}
 
 void OverlayNodelet::onInit() {
   ros::NodeHandle& node = getNodeHandle();
@@ -19,14 +27,15 @@ void OverlayNodelet::onInit() {
   frames_->registerDropCallback(boost::bind(&Health::dropped, &health_));
 
   // The callback may come before advertise has returned, and then must wait for the publishers.
-  const std::lock_guard<std::mutex> lock(listeners_mutex_);
+  const std::lock_guard<std::mutex> turn(subscriptionTurn());
   const ros::SubscriberStatusCallback changed = [this](const ros::SingleSubscriberPublisher&) { onListeners(); };
   markers_ = node.advertise<visualization_msgs::MarkerArray>("markers", 2, changed, changed);
   overlay_ = node.advertise<sensor_msgs::Image>("overlay/image_raw", 2, changed, changed);
 }
 
 void OverlayNodelet::onListeners() {
-  const std::lock_guard<std::mutex> lock(listeners_mutex_);
+  const std::lock_guard<std::mutex> turn(subscriptionTurn());
+  if (closing_) return;
   const bool markers = markers_.getNumSubscribers() > 0, overlay = overlay_.getNumSubscribers() > 0;
   health_.listening(markers || overlay);
   listenForMarkers(markers);

@@ -11,7 +11,6 @@
 #include <voxid/Segments.h>
 
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "health.h"
@@ -21,6 +20,9 @@ namespace voxid {
 /// For people: objects -> markers, and depth/image_raw + segments + objects of one stamp -> overlay/image_raw.
 /// Each only while somebody listens to it.
 class OverlayNodelet : public nodelet::Nodelet {
+ public:
+  ~OverlayNodelet() override;
+
  private:
   // The target frame of `objects` does not matter: what belongs together has the same stamp.
   using Frame =
@@ -34,7 +36,7 @@ class OverlayNodelet : public nodelet::Nodelet {
   void onFrame(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info,
                const SegmentsConstPtr& segments, const ObjectsConstPtr& objects);
 
-  std::mutex listeners_mutex_;
+  bool closing_ = false;
   std::vector<std::uint16_t> shown_ids_;
   Health health_;
   ros::Publisher markers_, overlay_;

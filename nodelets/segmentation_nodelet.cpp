@@ -6,8 +6,15 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "stopwatch.h"
+#include "turns.h"
 
 namespace voxid {
+
+SegmentationNodelet::~SegmentationNodelet() {
+  const std::lock_guard<std::mutex> turn(subscriptionTurn());
+  closing_ = true;  // a listener may leave while the members go
+  unsubscribe();
+}
 
 void SegmentationNodelet::onInit() {
   ros::NodeHandle& node = getNodeHandle();
@@ -20,14 +27,15 @@ void SegmentationNodelet::onInit() {
   frames_->registerDropCallback(boost::bind(&Health::dropped, &health_));
 
   // The callback may come before advertise has returned, and then must wait for the publishers.
-  const std::lock_guard<std::mutex> lock(listeners_mutex_);
+  const std::lock_guard<std::mutex> turn(subscriptionTurn());
   const ros::SubscriberStatusCallback changed = [this](const ros::SingleSubscriberPublisher&) { onListeners(); };
   segments_ = node.advertise<Segments>("segments", 2, changed, changed);
   cloud_ = node.advertise<sensor_msgs::PointCloud2>("cloud", 1, changed, changed);
 }
 
 void SegmentationNodelet::onListeners() {
-  const std::lock_guard<std::mutex> lock(listeners_mutex_);
+  const std::lock_guard<std::mutex> turn(subscriptionTurn());
+  if (closing_) return;
   const bool wanted = segments_.getNumSubscribers() + cloud_.getNumSubscribers() > 0;
   const bool subscribed = static_cast<bool>(image_.getSubscriber());
   if (wanted == subscribed) return;
@@ -37,9 +45,13 @@ void SegmentationNodelet::onListeners() {
     image_.subscribe(getNodeHandle(), "depth/image_raw", 4);
     info_.subscribe(getNodeHandle(), "depth/camera_info", 1);
   } else {
-    image_.unsubscribe();
-    info_.unsubscribe();
+    unsubscribe();
   }
+}
+
+void SegmentationNodelet::unsubscribe() {
+  image_.unsubscribe();
+  info_.unsubscribe();
 }
 
 void SegmentationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image,

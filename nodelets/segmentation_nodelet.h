@@ -20,18 +20,22 @@ namespace voxid {
 /// depth/image_raw + depth/camera_info -> segments, and cloud if somebody listens to it. A busy nodelet takes the
 /// newest frame next and counts the others as dropped.
 class SegmentationNodelet : public nodelet::Nodelet {
+ public:
+  ~SegmentationNodelet() override;
+
  private:
   using Frame = message_filters::sync_policies::ExactTime<sensor_msgs::Image, sensor_msgs::CameraInfo>;
 
   void onInit() override;
   void onListeners();
+  void unsubscribe();
   void onFrame(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info);
   void onConfig(const SegmentationConfig& config);
   boost::shared_ptr<Segments> segment(const Result<DepthView>& depth, const std_msgs::Header& header);
   void publishCloud(const DepthView& depth, const Segments& segments);
   SegmentParams params() const;
 
-  std::mutex listeners_mutex_;
+  bool closing_ = false;
   mutable std::mutex params_mutex_;
   SegmentParams params_;
   Segmenter segmenter_;

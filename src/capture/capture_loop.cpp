@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "lasting_thread.h"
 #include "parts.h"
 
 namespace voxid {
@@ -36,7 +37,7 @@ const char* nameOf(CaptureState state) {
 }
 
 CaptureLoop::CaptureLoop(Options options, Sink sink)
-    : options_(std::move(options)), sink_(std::move(sink)), thread_(&CaptureLoop::run, this) {}
+    : options_(std::move(options)), sink_(std::move(sink)), thread_(std::make_unique<LastingThread>([this] { run(); })) {}
 
 CaptureLoop::~CaptureLoop() {
   {
@@ -44,7 +45,7 @@ CaptureLoop::~CaptureLoop() {
     quit_ = true;
   }
   changed_.notify_all();
-  thread_.join();
+  thread_.reset();
 }
 
 void CaptureLoop::demand(bool depth, bool colour) {

@@ -2,6 +2,7 @@
 #include "voxid/capture/capture_loop.h"
 
 #include <atomic>
+#include <thread>
 
 #include "fixtures.h"
 
@@ -17,7 +18,10 @@ class LoopTest : public ReplayTest {
   }
   void run(CaptureLoop::Options options = {}) {
     CaptureLoop::Sink sink;
-    sink.frame = [this](const CaptureFrame&, const Intrinsics&) { ++frames_; };
+    sink.frame = [this](const CaptureFrame&, const Intrinsics&) {
+      thread_ = std::this_thread::get_id();
+      ++frames_;
+    };
     sink.lost = [this](const std::string& sentence) {
       const std::lock_guard<std::mutex> lock(mutex_);
       losses_.push_back(sentence);
@@ -40,6 +44,7 @@ class LoopTest : public ReplayTest {
 
   CaptureParams params_;
   std::atomic<int> frames_{0}, recoveries_{0};
+  std::atomic<std::thread::id> thread_{};
   std::mutex mutex_;
   std::vector<std::string> losses_;
   std::unique_ptr<CaptureLoop> loop_;  // last: its thread uses the others
@@ -60,6 +65,21 @@ TEST_F(LoopTest, ReadsOnlyWhileSomebodyListens) {
   loop_->demand(true, false);
   EXPECT_TRUE(framesCome());
   EXPECT_TRUE(losses().empty());
+}
+
+// OpenNI2 crashes now and then in a process where a thread that has called it has ended.
+TEST_F(LoopTest, ReadsOnAThreadThatTheNextLoopUsesAgain) {
+  playFrames(2);
+  const auto threadOfALoop = [this] {
+    run();
+    loop_->demand(true, false);
+    EXPECT_TRUE(framesCome());
+    loop_.reset();
+    return thread_.load();
+  };
+  const std::thread::id first = threadOfALoop();
+  EXPECT_NE(first, std::this_thread::get_id());
+  EXPECT_EQ(threadOfALoop(), first);
 }
 
 TEST_F(LoopTest, RecoversFromADisconnectAndSaysItOnce) {

@@ -201,9 +201,5 @@ TEST(PlainNodes, WorkTogetherAndEndCleanlyOnSigint) {
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   ros::init(argc, argv, "bridge_test");
-  ros::AsyncSpinner spinner(2);
-  spinner.start();
-  const int failed = RUN_ALL_TESTS();
-  ros::shutdown();
-  return failed;
+  return voxid::test::runAll();
 }

@@ -304,9 +304,5 @@ TEST_F(CaptureNodeletTest, IsANodeThatEndsCleanlyOnInterrupt) {
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   ros::init(argc, argv, "capture_nodelet_test");
-  ros::AsyncSpinner spinner(2);
-  spinner.start();
-  const int failed = RUN_ALL_TESTS();
-  ros::shutdown();
-  return failed;
+  return voxid::test::runAll();
 }

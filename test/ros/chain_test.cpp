@@ -402,9 +402,5 @@ TEST_F(Chain, DiagnosticsSayTheState) {
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   ros::init(argc, argv, "chain_test");
-  ros::AsyncSpinner spinner(2);
-  spinner.start();
-  const int failed = RUN_ALL_TESTS();
-  ros::shutdown();
-  return failed;
+  return voxid::test::runAll();
 }

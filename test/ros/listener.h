@@ -2,6 +2,7 @@
 // What a test hears, by stamp.
 #pragma once
 
+#include <gtest/gtest.h>
 #include <ros/ros.h>
 
 #include <boost/shared_ptr.hpp>
@@ -63,6 +64,14 @@ bool eventually(double seconds, Condition condition) {
     ros::WallDuration(0.02).sleep();
   }
   return condition();
+}
+
+/// All tests in one life of this node: it would end with a test's last handle, and start anew under the next one.
+inline int runAll() {
+  const ros::NodeHandle node;
+  ros::AsyncSpinner spinner(2);
+  spinner.start();
+  return RUN_ALL_TESTS();
 }
 
 }  // namespace voxid::test

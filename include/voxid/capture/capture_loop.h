@@ -6,14 +6,16 @@
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
-#include <thread>
 
 #include "voxid/capture/capture_params.h"
 #include "voxid/capture/device.h"
 
 namespace voxid {
+
+class LastingThread;
 
 enum class CaptureState : std::uint8_t {
   Idle,     ///< nobody listens; the device is closed
@@ -95,7 +97,7 @@ class CaptureLoop {
   Clock::time_point clock_start_{};
   std::uint64_t clock_first_us_ = 0, clock_last_us_ = 0;
 
-  std::thread thread_;
+  std::unique_ptr<LastingThread> thread_;
 };
 
 }  // namespace voxid
