@@ -13,6 +13,7 @@ namespace voxid::cli {
 using Run = std::function<Status()>;
 
 /// Each adds its options to `app` and returns what to run once they are parsed.
+Run addBench(CLI::App& app);
 Run addBuild(CLI::App& app);
 Run addCapture(CLI::App& app);
 Run addClassify(CLI::App& app);

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <mutex>
@@ -49,20 +48,13 @@ Outcome outcomeOf(const Index& index, const Answer& answer, const std::string& c
   return outcome;
 }
 
-/// The folder's camera goes with all its images, also with those in folders of their own.
-CameraChoice cameraOf(const std::string& folder) {
-  const std::filesystem::path info = std::filesystem::path(folder) / "camera_info.yaml";
-  std::error_code error;
-  return {std::filesystem::exists(info, error) ? info.string() : std::string()};
-}
-
 /// Answers one query after the other, as long as there are any; one object a thread.
 class Examiner {
  public:
   Examiner(const Options& options, std::shared_ptr<const Index> index, const std::vector<Query>& queries,
            Outcomes& outcomes)
       : recogniser_(std::move(index), options.search),
-        camera_(cameraOf(options.queries)),
+        camera_(cameraOfFolder(options.queries)),
         queries_(queries),
         outcomes_(outcomes) {}
 

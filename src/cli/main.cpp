@@ -22,6 +22,7 @@ struct SubCommand {
 };
 
 constexpr SubCommand kSubCommands[] = {
+    {"bench", "Measure descriptors and searches beside other libraries", addBench},
     {"build", "Render models from 80 directions and write an index", addBuild},
     {"capture", "List depth cameras, or record one", addCapture},
     {"classify", "Name the object, or the objects of a scene, in depth images", addClassify},

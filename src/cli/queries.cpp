@@ -67,4 +67,10 @@ Result<std::vector<Query>> readQueries(const std::string& folder, int every) {
   return queries;
 }
 
+CameraChoice cameraOfFolder(const std::string& folder) {
+  const fs::path info = fs::path(folder) / "camera_info.yaml";
+  std::error_code error;
+  return {fs::exists(info, error) ? info.string() : std::string()};
+}
+
 }  // namespace voxid::cli

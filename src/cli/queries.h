@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "depth_file.h"
 #include "voxid/core/status.h"
 
 namespace voxid::cli {
@@ -17,5 +18,9 @@ struct Query {
 /// and keeps the first of each `every` lines. CannotDo for a missing file or column, or a line that is too short;
 /// Damaged for an empty file; NothingFound if there is no query.
 Result<std::vector<Query>> readQueries(const std::string& folder, int every);
+
+/// FOLDER/camera_info.yaml, which goes with all images of the folder, also with those in folders of their own; without
+/// it the usual choice.
+CameraChoice cameraOfFolder(const std::string& folder);
 
 }  // namespace voxid::cli

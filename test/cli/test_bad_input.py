@@ -42,7 +42,7 @@ def test_arguments(voxid, image, index):
     voxid("eval", "--index", index, "--queries", ".", "--jobs", 0).refuses(2, "--jobs")
 
 
-@pytest.mark.parametrize("command", [[], ["build"], ["capture"], ["classify"], ["describe"], ["eval"], ["info"], ["render"], ["segment"],
+@pytest.mark.parametrize("command", [[], ["bench"], ["build"], ["capture"], ["classify"], ["describe"], ["eval"], ["info"], ["render"], ["segment"],
                                      ["verify"]])
 def test_help_is_everywhere(voxid, command):
     answer = voxid(*command, "--help")

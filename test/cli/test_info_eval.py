@@ -7,23 +7,6 @@ import pytest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 CATEGORIES = {"ball": 1, "board": 1, "cone": 1, "cube": 2, "rod": 1, "tin": 1}
-QUERIES = [("tin", "tin_a", 17), ("tin", "tin_a", 40), ("cone", "cone_a", 3), ("rod", "rod_a", 5), ("board", "board_a", 64)]
-
-
-@pytest.fixture(scope="module")
-def queries(views, tmp_path_factory):
-    """Five taught views with their right labels, and one that is called what no index knows."""
-    folder = tmp_path_factory.mktemp("queries")
-    rows = ["file,category,model,points"]
-    for category, model, direction in [*QUERIES, ("ball", "ball_a", 0)]:
-        image = views(category, model, direction)
-        name = f"{category}/{model}_{direction}.png"
-        (folder / category).mkdir(exist_ok=True)
-        (folder / name).write_bytes(image.read_bytes())
-        (folder / "camera_info.yaml").write_bytes((image.parent / "camera_info.yaml").read_bytes())
-        rows.append(f"{name},{'moon' if category == 'ball' else category},{model},1")
-    (folder / "queries.csv").write_text("\n".join(rows) + "\n")
-    return folder
 
 
 def timeless(result):

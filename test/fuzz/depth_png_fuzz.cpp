@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Any bytes as a depth image: refused with a reason, or pixels. Once as they are, once with the chunks' sums made right,
-// without which nothing would be decoded.
+// Any bytes as a depth image: refused with a reason, or pixels. Once as they are, once with the chunks' sums made
+// right, without which nothing would be decoded.
 #include <zlib.h>
 
 #include <cstring>

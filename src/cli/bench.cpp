@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// voxid bench: how fast descriptors are made and views are found, beside other libraries, in one run.
+#include "bench.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+
+#include "command.h"
+#include "queries.h"
+#include "recogniser.h"
+
+namespace voxid::cli {
+namespace {
+
+struct Options {
+  std::string index, queries;
+  std::vector<std::string> only{"descriptor", "query"};
+  int most_views = 400;
+  bool json = false;
+};
+
+/// At most `most` queries, evenly chosen.
+Result<std::vector<BenchView>> readViews(const Options& options) {
+  const auto queries = readQueries(options.queries, 1);
+  if (!queries.ok()) return queries.status;
+  const CameraChoice camera = cameraOfFolder(options.queries);
+  const std::size_t all = queries.value.size(), taken = std::min<std::size_t>(all, options.most_views);
+  std::vector<BenchView> views;
+  for (std::size_t i = 0; i < taken; ++i) {
+    const Query& query = queries.value[i * all / taken];
+    const auto file = readDepthFile(query.path, camera);
+    if (!file.ok()) return file.status;
+    BenchView view{file.value, setPixels(file.value.view()), query.category};
+    if (!view.pixels.empty()) views.push_back(std::move(view));
+  }
+  if (views.empty()) return Status::nothingFound(options.queries + ": no query shows a pixel with depth");
+  return views;
+}
+
+std::string textOf(const Json& row, const char* field, const char* format) {
+  if (!row.contains(field) || row[field].is_null()) return "";
+  char text[32];
+  std::snprintf(text, sizeof text, format, row[field].get<double>());
+  return text;
+}
+
+void printTable(const Json& result) {
+  std::printf("%zu views; CPU time of one thread\n", result["queries"].get<std::size_t>());
+  std::printf("%-24s %10s %10s %7s  %-20s %7s %9s %7s %7s %7s\n", "", "median us", "p99 us", "ratio", "of peer", "GB/s",
+              "recall@1", "@10", "top-1", "B/view");
+  for (const Json& row : result["rows"]) {
+    std::printf("%-24s %10s %10s %7s  %-20s %7s %9s %7s %7s %7s\n", row["name"].get<std::string>().c_str(),
+                textOf(row, "median_us", "%.1f").c_str(), textOf(row, "p99_us", "%.1f").c_str(),
+                textOf(row, "ratio", "%.1f").c_str(),
+                row["peer"].is_null() ? "" : row["peer"].get<std::string>().c_str(),
+                textOf(row, "gb_per_s", "%.1f").c_str(), textOf(row, "recall1", "%.4f").c_str(),
+                textOf(row, "recall10", "%.4f").c_str(), textOf(row, "top1", "%.2f").c_str(),
+                textOf(row, "bytes_per_view", "%.0f").c_str());
+  }
+}
+
+Status run(const Options& options) {
+  const auto index = Index::open(options.index);
+  if (!index.ok()) return index.status;
+  const auto views = readViews(options);
+  if (!views.ok()) return views.status;
+  const auto wanted = [&](const char* group) {
+    return std::find(options.only.begin(), options.only.end(), group) != options.only.end();
+  };
+  Json result;
+  result["queries"] = views.value.size();
+  result["views"] = index.value->views().size;
+  result["rows"] = Json::array();
+  if (wanted("descriptor")) {
+    for (Json& row : benchDescriptors(views.value)) result["rows"].push_back(std::move(row));
+  }
+  if (wanted("query")) {
+    for (Json& row : benchQueries(index.value, views.value)) result["rows"].push_back(std::move(row));
+  }
+  if (options.json) {
+    std::cout << lineOf(result);
+  } else {
+    printTable(result);
+  }
+  return {};
+}
+
+}  // namespace
+
+double rounded(double x, int decimals) {
+  const double scale = std::pow(10, decimals);
+  return std::round(x * scale) / scale;
+}
+
+double quantile(std::vector<double> samples, double share) {
+  if (samples.empty()) return 0;
+  std::sort(samples.begin(), samples.end());
+  const auto at = static_cast<std::size_t>(share * static_cast<double>(samples.size()));
+  return samples[std::min(at, samples.size() - 1)];
+}
+
+Json benchRow(const std::string& name, const std::vector<double>& us) {
+  Json row;
+  row["name"] = name;
+  row["median_us"] = rounded(quantile(us, 0.5), 2);
+  row["p99_us"] = rounded(quantile(us, 0.99), 2);
+  row["peer"] = nullptr;
+  row["peer_median_us"] = nullptr;
+  row["ratio"] = nullptr;
+  return row;
+}
+
+void comparePeer(Json& row, const std::string& peer, double peer_median_us) {
+  row["peer"] = peer;
+  row["peer_median_us"] = rounded(peer_median_us, 2);
+  row["ratio"] = rounded(peer_median_us / row["median_us"].get<double>(), 2);
+}
+
+Run addBench(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  app.add_option("--index", options->index, "The index (.vxi) to search")->type_name("FILE")->required();
+  app.add_option("--queries", options->queries, "Depth images of one object each, with queries.csv")
+      ->type_name("DIR")
+      ->required();
+  app.add_option("--only", options->only, "Measure these only: descriptor, query")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"descriptor", "query"}));
+  app.add_option("--most", options->most_views, "Take at most N of the queries, evenly")
+      ->type_name("N")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000000));
+  app.add_flag("--json", options->json, "One JSON object");
+  return [options] { return run(*options); };
+}
+
+}  // namespace voxid::cli

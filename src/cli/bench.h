@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Measurements of `voxid bench`. All times are CPU times of the calling thread, so that a busy machine changes them
+// less.
+#pragma once
+
+#include <ctime>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "depth_file.h"
+#include "scene_json.h"
+#include "voxid/core/index.h"
+
+namespace voxid::cli {
+
+/// One query's picture.
+struct BenchView {
+  DepthFile file;
+  std::vector<std::uint32_t> pixels;  ///< those with depth
+  std::string category;
+};
+
+/// Microseconds of CPU time that the calling thread has used.
+inline double threadUs() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) * 1e6 + static_cast<double>(now.tv_nsec) * 1e-3;
+}
+
+template <typename Work>
+double usOf(Work&& work) {
+  const double start = threadUs();
+  work();
+  return threadUs() - start;
+}
+
+/// So many decimals as a measurement is worth.
+double rounded(double x, int decimals);
+
+/// Share 0 to 1 of the sorted samples that lie below; 0.5 is the median. 0 without samples.
+double quantile(std::vector<double> samples, double share);
+
+/// A row: name, median_us, p99_us; peer, peer_median_us, ratio (peer over ours), null where there is none.
+Json benchRow(const std::string& name, const std::vector<double>& us);
+void comparePeer(Json& row, const std::string& peer, double peer_median_us);
+
+/// descriptor/paper beside pcl::ESFEstimation on the same points: the views as they are, and those that have them
+/// thinned to 1,300, 3,000 and 6,000 points.
+std::vector<Json> benchDescriptors(const std::vector<BenchView>& views);
+
+/// The searches of an index and of other libraries over its codes.
+std::vector<Json> benchQueries(const std::shared_ptr<const Index>& index, const std::vector<BenchView>& views);
+
+}  // namespace voxid::cli
