@@ -8,7 +8,7 @@
 namespace voxid {
 namespace {
 
-constexpr int kColumns = 512;  // of the plan; in each only the points at either end can be corners
+constexpr int kColumns = 256;  // of the plan; in each only the points at either end can be corners
 
 struct Rectangle {
   double along_x = 1, along_y = 0;  // unit vector of the longer side
@@ -63,15 +63,40 @@ Rectangle smallestRectangle(Span<const Point2> hull) {
 }
 
 struct Sums {
-  std::int64_t x = 0, y = 0, z = 0;
+  std::int64_t x = 0, y = 0, height = 0;
   std::int32_t highest_um = 0, first_x = std::numeric_limits<std::int32_t>::max(),
                last_x = std::numeric_limits<std::int32_t>::min();
+  int left = std::numeric_limits<int>::max(), right = 0;  ///< columns
+
+  void addColumns(const Surface& surface, Run run) {
+    const int begin = static_cast<int>(run.begin) - surface.row(run.begin) * surface.inverse.width_px;
+    left = std::min(left, begin);
+    right = std::max(right, begin + static_cast<int>(run.end - run.begin));
+  }
+  void add(const PlanRays::Placed& placed, int count) {
+    for (int i = 0; i < count; ++i) {
+      x += placed.x_um[i];
+      y += placed.y_um[i];
+      height += placed.height_um[i];
+      highest_um = std::max(highest_um, placed.height_um[i]);
+      first_x = std::min(first_x, placed.x_um[i]);
+      last_x = std::max(last_x, placed.x_um[i]);
+    }
+  }
 };
 
-PointUm pointOf(const InverseDepth& inverse, const Rays& rays, std::uint32_t pixel) {
-  const auto width = static_cast<std::uint32_t>(inverse.width_px);
-  const std::uint32_t v = pixel / width;
-  return rays.point(static_cast<int>(pixel - v * width), static_cast<int>(v), depthUmOf(inverse.values[pixel]));
+/// visit(run) for ascending pixels.
+template <typename Visit>
+void visitRuns(Span<const std::uint32_t> pixels, std::uint32_t width, Visit visit) {
+  for (std::size_t i = 0; i < pixels.size;) {
+    const std::uint32_t begin = pixels[i], row_end = begin - begin % width + width;
+    std::uint32_t end = begin;
+    while (i < pixels.size && pixels[i] == end && end < row_end) {
+      ++end;
+      ++i;
+    }
+    visit(Run{begin, end});
+  }
 }
 
 bool touchesBorder(const PixelBox& box, int width_px, int height_px) {
@@ -80,19 +105,17 @@ bool touchesBorder(const PixelBox& box, int width_px, int height_px) {
 
 }  // namespace
 
-PixelBox pixelBoxOf(Span<const std::uint32_t> pixels, int width_px) {
+PixelBox pixelBoxOf(Span<const Run> runs, int width_px) {
   const auto width = static_cast<std::uint32_t>(width_px);
-  std::uint32_t row_begin = 0, row_end = 0, left = width, right = 0;
-  for (const std::uint32_t pixel : pixels) {
-    if (pixel >= row_end) {
-      row_begin = pixel - pixel % width;
-      row_end = row_begin + width;
-    }
-    left = std::min(left, pixel - row_begin);
-    right = std::max(right, pixel - row_begin);
+  std::uint32_t left = width, right = 0;
+  for (const Run& run : runs) {
+    const std::uint32_t row_begin = run.begin - run.begin % width;
+    left = std::min(left, run.begin - row_begin);
+    right = std::max(right, run.end - row_begin);
   }
-  const auto top = static_cast<int>(pixels[0] / width), bottom = static_cast<int>(pixels[pixels.size - 1] / width);
-  return {static_cast<int>(left), top, static_cast<int>(right - left) + 1, bottom - top + 1};
+  const auto top = static_cast<int>(runs[0].begin / width),
+             bottom = static_cast<int>(runs[runs.size - 1].begin / width);
+  return {static_cast<int>(left), top, static_cast<int>(right - left), bottom - top + 1};
 }
 
 BoxFitter::BoxFitter() : columns_(kColumns) {
@@ -106,9 +129,11 @@ void BoxFitter::reserve(std::size_t pixels) { points_.reserve(pixels); }
 void BoxFitter::bin(std::int32_t first_x, std::int64_t width_um) {
   constexpr Column kEmpty{{0, std::numeric_limits<std::int32_t>::max()}, {0, std::numeric_limits<std::int32_t>::min()}};
   std::fill(columns_.begin(), columns_.end(), kEmpty);
+  const double per_um = kColumns / static_cast<double>(width_um + 1);
   for (const Point2& p : points_) {
-    const std::int64_t offset = static_cast<std::int64_t>(p.x) - first_x;
-    Column& column = columns_[static_cast<std::size_t>(offset * kColumns / (width_um + 1))];
+    const double offset_um = static_cast<double>(p.x) - first_x;
+    Column& column =
+        columns_[static_cast<std::size_t>(std::min<int>(static_cast<int>(offset_um * per_um), kColumns - 1))];
     if (p.y < column.lowest.y) column.lowest = p;
     if (p.y > column.highest.y) column.highest = p;
   }
@@ -118,32 +143,31 @@ std::size_t BoxFitter::hull() {
   sorted_.clear();
   for (const Column& column : columns_) {
     if (column.lowest.y > column.highest.y) continue;
-    sorted_.push_back(column.lowest);
-    sorted_.push_back(column.highest);
+    const bool lowest_first = column.lowest.x < column.highest.x ||
+                              (column.lowest.x == column.highest.x && column.lowest.y < column.highest.y);
+    sorted_.push_back(lowest_first ? column.lowest : column.highest);
+    sorted_.push_back(lowest_first ? column.highest : column.lowest);
   }
-  std::sort(sorted_.begin(), sorted_.end(), [](Point2 a, Point2 b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
   return convexHull({sorted_.data(), sorted_.size()}, hull_.data());
 }
 
-void BoxFitter::fit(const InverseDepth& inverse, const Rays& rays, const Plan& plan, Cluster& cluster) {
-  cluster.box_px = pixelBoxOf(cluster.pixels, inverse.width_px);
-  cluster.truncated = touchesBorder(cluster.box_px, inverse.width_px, inverse.height_px);
+void BoxFitter::fit(const Surface& surface, Cluster& cluster) {
   points_.clear();
   Sums sums;
-  for (const std::uint32_t pixel : cluster.pixels) {
-    const PointUm p = pointOf(inverse, rays, pixel);
-    sums.x += p.x;
-    sums.y += p.y;
-    sums.z += p.z;
-    sums.highest_um = std::max(sums.highest_um, plan.heightUm(p));
-    const Point2 foot = plan.project(p);
-    points_.push_back(foot);
-    sums.first_x = std::min(sums.first_x, foot.x);
-    sums.last_x = std::max(sums.last_x, foot.x);
-  }
+  visitRuns(cluster.pixels, static_cast<std::uint32_t>(surface.inverse.width_px), [&](Run run) {
+    sums.addColumns(surface, run);
+    surface.visitPlaced(run, [&](const PlanRays::Placed& placed, int count) {
+      sums.add(placed, count);
+      for (int i = 0; i < count; ++i) points_.push_back({placed.x_um[i], placed.y_um[i]});
+    });
+  });
+  const int top = surface.row(cluster.pixels[0]), bottom = surface.row(cluster.pixels[cluster.pixels.size - 1]);
+  cluster.box_px = {sums.left, top, sums.right - sums.left, bottom - top + 1};
+  cluster.truncated |= touchesBorder(cluster.box_px, surface.inverse.width_px, surface.inverse.height_px);
   const double per_point = 1e-6 / static_cast<double>(cluster.pixels.size);
-  cluster.centroid_m = Eigen::Vector3d(static_cast<double>(sums.x) * per_point, static_cast<double>(sums.y) * per_point,
-                                       static_cast<double>(sums.z) * per_point)
+  cluster.centroid_m = surface.plan
+                           .lift(static_cast<double>(sums.x) * per_point, static_cast<double>(sums.y) * per_point,
+                                 static_cast<double>(sums.height) * per_point)
                            .cast<float>();
 
   bin(sums.first_x, static_cast<std::int64_t>(sums.last_x) - sums.first_x);
@@ -151,10 +175,10 @@ void BoxFitter::fit(const InverseDepth& inverse, const Rays& rays, const Plan& p
   const Rectangle r = smallestRectangle({hull_.data(), size});
   const double height_m = sums.highest_um * 1e-6;
   cluster.extents_m = Eigen::Vector3d(r.length * 1e-6, r.width * 1e-6, height_m).cast<float>();
-  cluster.box_centre_m = plan.lift(r.centre_x * 1e-6, r.centre_y * 1e-6, height_m / 2).cast<float>();
-  cluster.axes.col(0) = plan.direction(r.along_x, r.along_y).cast<float>();
-  cluster.axes.col(1) = plan.direction(-r.along_y, r.along_x).cast<float>();
-  cluster.axes.col(2) = (plan.lift(0, 0, 1) - plan.lift(0, 0, 0)).cast<float>();
+  cluster.box_centre_m = surface.plan.lift(r.centre_x * 1e-6, r.centre_y * 1e-6, height_m / 2).cast<float>();
+  cluster.axes.col(0) = surface.plan.direction(r.along_x, r.along_y).cast<float>();
+  cluster.axes.col(1) = surface.plan.direction(-r.along_y, r.along_x).cast<float>();
+  cluster.axes.col(2) = (surface.plan.lift(0, 0, 1) - surface.plan.lift(0, 0, 0)).cast<float>();
 }
 
 }  // namespace voxid

@@ -5,13 +5,13 @@
 #include <vector>
 
 #include "inverse_depth.h"
-#include "plan.h"
+#include "surface.h"
 #include "voxid/geometry/scene.h"
 
 namespace voxid {
 
-/// The smallest box around ascending pixels; at least one.
-PixelBox pixelBoxOf(Span<const std::uint32_t> pixels, int width_px);
+/// The smallest box around ascending runs; at least one.
+PixelBox pixelBoxOf(Span<const Run> runs, int width_px);
 
 /// Pixel box, centroid, and the smallest box that stands on the table around the points.
 class BoxFitter {
@@ -19,9 +19,8 @@ class BoxFitter {
   BoxFitter();
   void reserve(std::size_t pixels);
 
-  /// Sets everything in `cluster` that follows from `cluster.pixels`, `truncated` only as far as the image's border
-  /// goes.
-  void fit(const InverseDepth& inverse, const Rays& rays, const Plan& plan, Cluster& cluster);
+  /// Sets everything in `cluster` that follows from `cluster.pixels`; `truncated` too if the image's border cuts it.
+  void fit(const Surface& surface, Cluster& cluster);
 
  private:
   struct Column {

@@ -3,176 +3,231 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdlib>
+#include <cstring>
+#include <utility>
 
 namespace voxid {
 namespace {
 
-/// Whether a pixel belongs to something on the table: both its height and its inverse depth differ enough.
-struct HeightTest {
-  HeightTest(double distance_m, const SegmentParams& params)
-      : margin(params.min_margin_per_km * kUnitsPerKm),
-        distance_um(std::llround(distance_m * 1e6)),
-        lowest_um(params.min_height_mm * 1000),
-        highest_um(params.max_height_mm * 1000) {}
-
-  /// Height = distance (1 - expected / value): compared without a division.
-  bool operator()(std::int32_t value, std::int32_t expected) const {
-    if (value - expected <= margin || value == 0) return false;
-    const std::int64_t scaled = static_cast<std::int64_t>(value - expected) * distance_um;
-    return scaled > lowest_um * value && scaled <= highest_um * value;
-  }
-
-  std::int32_t margin;
-  std::int64_t distance_um, lowest_um, highest_um;
-};
+constexpr std::uint32_t kNone = 0xffffffff;
+constexpr std::uint8_t kLinked = 2;  ///< of AboveTable's states
 
 }  // namespace
 
 void Components::reserve(std::size_t pixels, int width_px) {
-  node_of_.reserve(pixels);
-  last_in_column_.reserve(static_cast<std::size_t>(width_px));
-  pixel_.reserve(pixels);
-  parent_.reserve(pixels);
-  point_.reserve(pixels);
-  part_of_.reserve(pixels);
-  first_.reserve(pixels + 1);
-  sorted_pixels_.reserve(pixels);
+  const auto width = static_cast<std::size_t>(width_px);
+  above_.reserve(width_px, static_cast<int>(pixels / width));
+  states_.reserve(width + sizeof(std::uint64_t));
+  last_in_column_.reserve(width);
+  last_run_in_column_.reserve(width);
+  runs_.reserve(pixels);
+  parents_.reserve(pixels);
+  part_of_run_.reserve(pixels);
+  parts_.reserve(pixels);
+  sorted_.reserve(2 * pixels);  // what is cut is written a second time
+  gathered_.reserve(pixels);
 }
 
-void Components::clear(std::size_t pixels, int width_px) {
-  node_of_.assign(pixels, -1);
-  last_in_column_.assign(static_cast<std::size_t>(width_px), -1);
-  pixel_.clear();
-  parent_.clear();
-  point_.clear();
-}
-
-std::uint32_t Components::rootOf(std::uint32_t node) {
-  while (parent_[node] != node) {
-    parent_[node] = parent_[parent_[node]];
-    node = parent_[node];
+std::uint32_t Components::rootOf(std::uint32_t run) {
+  while (parents_[run] != run) {
+    parents_[run] = parents_[parents_[run]];
+    run = parents_[run];
   }
-  return node;
+  return run;
 }
 
-/// The earlier root stays: a part's root is its first pixel.
+/// The earlier root stays: a part's root is its first run.
 void Components::unite(std::uint32_t a, std::uint32_t b) {
   a = rootOf(a);
   b = rootOf(b);
-  parent_[std::max(a, b)] = std::min(a, b);
+  parents_[std::max(a, b)] = std::min(a, b);
 }
 
-void Components::uniteParts(std::size_t a, std::size_t b) {
-  unite(static_cast<std::uint32_t>(node_of_[sorted_pixels_[first_[a]]]),
-        static_cast<std::uint32_t>(node_of_[sorted_pixels_[first_[b]]]));
+bool Components::nearInSpace(const Surface& surface, std::uint32_t a, std::uint32_t b) const {
+  const PointUm p = surface.point(a), q = surface.point(b);
+  const std::int64_t dx = p.x - q.x, dy = p.y - q.y, dz = p.z - q.z;
+  return dx * dx + dy * dy + dz * dz < square_gap_um2_;
 }
 
-void Components::splitPart(std::size_t part, Span<const std::uint8_t> numbers) {
-  std::array<std::int32_t, 256> root_of;
-  root_of.fill(-1);
-  const Span<const std::uint32_t> pixels = pixelsOf(part);
-  for (std::size_t i = 0; i < pixels.size; ++i) {
-    const std::int32_t node = node_of_[pixels[i]];
-    std::int32_t& root = root_of[numbers[i]];
-    if (root < 0) root = node;
-    parent_[static_cast<std::size_t>(node)] = static_cast<std::uint32_t>(root);
+/// Whether a pixel of `lower` is one of the eight neighbours of a pixel of `upper`, in the row before, at its depth.
+bool Components::touch(const Surface& surface, Run lower, Run upper) const {
+  const auto width = static_cast<std::uint32_t>(surface.inverse.width_px);
+  const std::int32_t* values = surface.inverse.values.data();
+  const std::uint32_t begin = std::max(lower.begin, upper.begin + width - 1),
+                      end = std::min(lower.end, upper.end + width + 1);
+  for (std::uint32_t pixel = begin; pixel < end; ++pixel) {
+    const std::uint32_t above = pixel - width;
+    for (std::uint32_t other = std::max(above, upper.begin + 1) - 1; other < std::min(above + 2, upper.end); ++other) {
+      if (gap_.within(values[pixel], values[other])) return true;
+    }
+  }
+  return false;
+}
+
+/// Links a run to the one before it in its row, over a hole of at most bridge_px.
+void Components::linkAlongRow(const Surface& surface, std::uint32_t run) {
+  if (run == row_) return;
+  const std::uint32_t here = runs_[run].begin, before = runs_[run - 1].end - 1;
+  const std::uint32_t steps = here - before;
+  if (steps > 1 && steps <= farthest_link_ && nearInSpace(surface, here, before)) unite(run, run - 1);
+}
+
+/// The same along each of its columns.
+void Components::linkAlongColumns(const Surface& surface, std::uint32_t run, int v) {
+  const auto width = static_cast<std::uint32_t>(surface.inverse.width_px);
+  const std::uint32_t row_begin = static_cast<std::uint32_t>(v) * width;
+  for (std::uint32_t pixel = runs_[run].begin; pixel < runs_[run].end; ++pixel) {
+    std::uint32_t& last_run = last_run_in_column_[pixel - row_begin];
+    std::uint32_t& last_row = last_in_column_[pixel - row_begin];
+    const std::uint32_t steps = static_cast<std::uint32_t>(v) - last_row;
+    if (steps > 1 && steps <= farthest_link_ && last_run != kNone &&
+        nearInSpace(surface, pixel, pixel - steps * width)) {
+      unite(run, last_run);
+    }
+    last_run = run;
+    last_row = static_cast<std::uint32_t>(v);
   }
 }
 
-bool Components::nearInSpace(std::uint32_t a, std::uint32_t b) const {
-  const std::int64_t dx = point_[a].x - point_[b].x, dy = point_[a].y - point_[b].y, dz = point_[a].z - point_[b].z;
-  return dx * dx + dy * dy + dz * dz < static_cast<std::int64_t>(gap_um_) * gap_um_;
+/// `above`: first run of the row before that may touch this run or a later one.
+void Components::addRun(const Surface& surface, Run run, int v, std::uint32_t& above) {
+  const auto width = static_cast<std::uint32_t>(surface.inverse.width_px);
+  const auto number = static_cast<std::uint32_t>(runs_.size());
+  runs_.push_back(run);
+  parents_.push_back(number);
+  while (above < row_ && runs_[above].end + width < run.begin) ++above;
+  for (std::uint32_t upper = above; upper < row_ && runs_[upper].begin + width <= run.end; ++upper) {
+    if (rootOf(upper) != rootOf(number) && touch(surface, run, runs_[upper])) unite(number, upper);
+  }
+  linkAlongRow(surface, number);
+  linkAlongColumns(surface, number, v);
 }
 
-void Components::linkIfNear(std::uint32_t node, std::int32_t other) {
-  if (other < 0) return;
-  const auto o = static_cast<std::uint32_t>(other);
-  if (std::abs(point_[node].z - point_[o].z) < gap_um_) unite(node, o);
-}
-
-/// The four of the eight neighbours that the scan has passed.
-void Components::linkNeighbours(std::uint32_t node, int u, int v, int width_px) {
-  const std::int32_t* here = node_of_.data() + static_cast<std::size_t>(v) * width_px + u;
-  if (u > 0) linkIfNear(node, here[-1]);
-  if (v == 0) return;
-  linkIfNear(node, here[-width_px]);
-  if (u > 0) linkIfNear(node, here[-width_px - 1]);
-  if (u + 1 < width_px) linkIfNear(node, here[-width_px + 1]);
-}
-
-/// The nodes before it along row and column, over holes of at most bridge_px.
-void Components::linkOverHoles(std::uint32_t node, int u, int width_px, std::int32_t& last_in_row) {
-  std::int32_t& last_in_column = last_in_column_[static_cast<std::size_t>(u)];
-  const auto linkAlong = [&](std::int32_t last, std::uint32_t pixels_per_step) {
-    if (last < 0) return;
-    const auto earlier = static_cast<std::uint32_t>(last);
-    const std::uint32_t steps = (pixel_[node] - pixel_[earlier]) / pixels_per_step;
-    if (steps > 1 && steps <= farthest_link_ && nearInSpace(node, earlier)) unite(node, earlier);
-  };
-  linkAlong(last_in_row, 1);
-  linkAlong(last_in_column, static_cast<std::uint32_t>(width_px));
-  last_in_row = last_in_column = static_cast<std::int32_t>(node);
-}
-
-void Components::add(const Surface& surface, int u, int v, std::int32_t& last_in_row) {
+void Components::addRow(const Surface& surface, int v) {
   const int width = surface.inverse.width_px;
-  const std::size_t pixel = static_cast<std::size_t>(v) * static_cast<std::size_t>(width) + static_cast<std::size_t>(u);
-  const auto node = static_cast<std::uint32_t>(pixel_.size());
-  pixel_.push_back(static_cast<std::uint32_t>(pixel));
-  parent_.push_back(node);
-  point_.push_back(surface.rays.point(u, v, depthUmOf(surface.inverse.values[pixel])));
-  node_of_[pixel] = static_cast<std::int32_t>(node);
-  linkNeighbours(node, u, v, width);
-  linkOverHoles(node, u, width, last_in_row);
+  const std::int32_t* values = surface.inverse.row(v);
+  const std::uint8_t* states = states_.data();
+  above_.mark(values, v, width, gap_, states_.data());
+  const std::uint32_t row_begin = static_cast<std::uint32_t>(v) * static_cast<std::uint32_t>(width);
+  std::uint32_t above = row_above_;
+  for (int u = 0; u < width;) {
+    std::uint64_t eight;
+    std::memcpy(&eight, states + u, sizeof eight);
+    if (eight == 0) {
+      u += static_cast<int>(sizeof eight);
+    } else if (states[u] == 0) {
+      ++u;
+    } else {
+      const int begin = u;
+      do ++u;
+      while (states[u] == kLinked);  // ends at the zeros behind the row
+      addRun(surface, {row_begin + static_cast<std::uint32_t>(begin), row_begin + static_cast<std::uint32_t>(u)}, v,
+             above);
+    }
+  }
 }
 
 void Components::find(const Surface& surface, const SegmentParams& params) {
-  constexpr int kBlock = 16;  // most blocks show bare table: one test for all of it
   const InverseDepth& inverse = surface.inverse;
-  clear(inverse.values.size(), inverse.width_px);
-  gap_um_ = params.cluster_gap_mm * 1000;
+  const auto width = static_cast<std::size_t>(inverse.width_px);
+  above_.set(surface.table, surface.distance_m, params.min_height_mm, params.max_height_mm, params.min_margin_per_km);
+  gap_ = DepthStep(params.cluster_gap_mm);
+  square_gap_um2_ = static_cast<std::int64_t>(params.cluster_gap_mm * 1000) * (params.cluster_gap_mm * 1000);
   farthest_link_ = static_cast<std::uint32_t>(params.bridge_px + 1);
-  const HeightTest isAbove(surface.distance_m, params);
+  states_.assign(width + sizeof(std::uint64_t), 0);
+  last_in_column_.assign(width, 0);
+  last_run_in_column_.assign(width, kNone);
+  runs_.clear();
+  parents_.clear();
+  row_above_ = row_ = 0;
   for (int v = 0; v < inverse.height_px; ++v) {
-    const std::int32_t* values = inverse.row(v);
-    const std::int32_t* columns = surface.table.columns.data();
-    const std::int32_t row = surface.table.rows[static_cast<std::size_t>(v)];
-    std::int32_t last_in_row = -1;
-    for (int first = 0; first < inverse.width_px; first += kBlock) {
-      const int end = std::min(first + kBlock, inverse.width_px);
-      int any = 0;
-      for (int u = first; u < end; ++u) any |= values[u] - (columns[u] + row) > isAbove.margin;
-      if (!any) continue;
-      for (int u = first; u < end; ++u) {
-        if (isAbove(values[u], columns[u] + row)) add(surface, u, v, last_in_row);
-      }
-    }
+    addRow(surface, v);
+    row_above_ = row_;
+    row_ = static_cast<std::uint32_t>(runs_.size());
+  }
+  sortRuns();
+}
+
+void Components::addPart(std::uint32_t first, std::uint32_t runs, std::uint32_t pixels) {
+  const auto number = static_cast<std::uint32_t>(parts_.size());
+  parts_.push_back({first, runs, pixels, number, number, pixels});
+}
+
+/// Parts are numbered by their first pixels. Roots come before their runs, so one pass numbers and counts.
+void Components::sortRuns() {
+  const std::size_t runs = runs_.size();
+  part_of_run_.resize(runs);
+  parts_.clear();
+  for (std::uint32_t i = 0; i < runs; ++i) {
+    const std::uint32_t root = rootOf(i);
+    part_of_run_[i] = root == i ? static_cast<std::uint32_t>(parts_.size()) : part_of_run_[root];
+    if (root == i) addPart(0, 0, 0);
+    Part& part = parts_[part_of_run_[i]];
+    ++part.runs;
+    part.pixels += runs_[i].end - runs_[i].begin;
+    part.group_pixels = part.pixels;
+  }
+  std::uint32_t first = 0;
+  for (Part& part : parts_) {
+    part.first = first;
+    first += part.runs;
+    part.runs = 0;
+  }
+  sorted_.resize(runs);
+  for (std::size_t i = 0; i < runs; ++i) {
+    Part& part = parts_[part_of_run_[i]];
+    sorted_[part.first + part.runs++] = runs_[i];
   }
 }
 
-void Components::sort() {
-  const std::size_t nodes = pixel_.size();
-  part_of_.resize(nodes);
-  first_.assign(1, 0);
-  // Roots come before their nodes, so one pass numbers and counts; first_[part + 1] holds the count for now.
-  for (std::uint32_t i = 0; i < nodes; ++i) {
-    const std::uint32_t root = rootOf(i);
-    if (root == i) {
-      part_of_[i] = static_cast<std::uint32_t>(first_.size() - 1);
-      first_.push_back(0);
-    } else {
-      part_of_[i] = part_of_[root];
-    }
-    ++first_[part_of_[i] + 1];
+void Components::cut(std::size_t part, Span<const Cut> cuts, std::size_t pieces) {
+  std::array<Part, 256> made{};
+  for (const Cut& cut : cuts) {
+    ++made[cut.piece].runs;
+    made[cut.piece].pixels += cut.run.end - cut.run.begin;
   }
-  for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
-  sorted_pixels_.resize(nodes);
-  // Filling moves each start to its end, which is the next part's start: shift back afterwards.
-  for (std::size_t i = 0; i < nodes; ++i) sorted_pixels_[first_[part_of_[i]]++] = pixel_[i];
-  for (std::size_t i = first_.size() - 1; i > 0; --i) first_[i] = first_[i - 1];
-  first_[0] = 0;
+  auto first = static_cast<std::uint32_t>(sorted_.size());
+  sorted_.resize(sorted_.size() + cuts.size);
+  for (std::size_t i = 0; i < pieces; ++i) {
+    made[i].first = first;
+    first += made[i].runs;
+    if (i > 0) addPart(made[i].first, made[i].runs, made[i].pixels);
+  }
+  Part& changed = parts_[part];
+  changed.first = made[0].first;
+  changed.runs = made[0].runs;
+  changed.pixels = changed.group_pixels = made[0].pixels;
+  for (const Cut& cut : cuts) sorted_[made[cut.piece].first++] = cut.run;
+}
+
+/// Swapping the successors of two circles makes one.
+void Components::join(std::size_t a, std::size_t b) {
+  const std::uint32_t first = std::min(parts_[a].group, parts_[b].group),
+                      other = std::max(parts_[a].group, parts_[b].group);
+  if (first == other) return;
+  parts_[first].group_pixels += parts_[other].group_pixels;
+  std::uint32_t part = other;
+  do {
+    parts_[part].group = first;
+    part = parts_[part].next;
+  } while (part != other);
+  std::swap(parts_[first].next, parts_[other].next);
+}
+
+void Components::collect(std::size_t first, std::vector<std::uint32_t>& pixels) {
+  gathered_.clear();
+  auto part = static_cast<std::uint32_t>(first);
+  do {
+    const Span<const Run> runs = runsOf(part);
+    gathered_.insert(gathered_.end(), runs.begin(), runs.end());
+    part = parts_[part].next;
+  } while (part != first);
+  if (parts_[first].next != first) {
+    std::sort(gathered_.begin(), gathered_.end(), [](Run a, Run b) { return a.begin < b.begin; });
+  }
+  for (const Run& run : gathered_) {
+    for (std::uint32_t pixel = run.begin; pixel < run.end; ++pixel) pixels.push_back(pixel);
+  }
 }
 
 }  // namespace voxid

@@ -3,6 +3,8 @@
 
 #include <cstring>
 
+#include "vectorised.h"
+
 namespace voxid {
 namespace {
 
@@ -13,14 +15,14 @@ struct RangeMm {
   int nearest, farthest;
 };
 
-std::uint32_t invertMillimetres(const unsigned char* pixels, int width, RangeMm range, std::int32_t* out) {
+VOXID_VECTORISED std::uint32_t invertMillimetres(const unsigned char* pixels, int width, RangeMm range,
+                                                 std::int32_t* out) {
   std::uint32_t valid = 0;
   for (int u = 0; u < width; ++u) {
     std::uint16_t depth_mm;
     std::memcpy(&depth_mm, pixels + 2 * static_cast<std::size_t>(u), sizeof depth_mm);
-    const int inside = (depth_mm >= range.nearest) & (depth_mm <= range.farthest);
-    const int safe_mm = inside ? depth_mm : 1;
-    const auto inverse = static_cast<std::int32_t>(kUnitsTimesMm / static_cast<float>(safe_mm) + 0.5f);
+    const bool inside = (depth_mm >= range.nearest) & (depth_mm <= range.farthest);
+    const auto inverse = static_cast<std::int32_t>(kUnitsTimesMm / static_cast<float>(inside ? depth_mm : 1) + 0.5f);
     out[u] = inside ? inverse : 0;
     valid += static_cast<std::uint32_t>(inside);
   }

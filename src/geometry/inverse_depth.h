@@ -2,6 +2,7 @@
 // Inverse depth: a plane in space is affine in the pixel, and the noise of a structured-light sensor nearly constant.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -27,5 +28,19 @@ void invert(const DepthView& depth, int min_depth_mm, int max_depth_mm, InverseD
 
 /// Micrometres; `inverse` must not be 0.
 inline std::int32_t depthUmOf(std::int32_t inverse) { return static_cast<std::int32_t>(kUnitsTimesUm / inverse + 0.5); }
+
+/// Whether two inverse depths belong to depths that differ by less than a step: |1/a - 1/b| < step, multiplied out.
+class DepthStep {
+ public:
+  explicit DepthStep(int step_mm = 0) : step_(static_cast<float>(step_mm * 1000 / kUnitsTimesUm)) {}
+  /// False if one of them is 0.
+  bool within(std::int32_t a, std::int32_t b) const {
+    const auto from = static_cast<float>(a), to = static_cast<float>(b);
+    return std::abs(from - to) < step_ * from * to;
+  }
+
+ private:
+  float step_;
+};
 
 }  // namespace voxid

@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <limits>
-#include <utility>
+#include <numeric>
 
 namespace voxid {
 namespace {
@@ -32,6 +33,9 @@ std::int32_t inverseOf(std::int32_t depth_um) {
   return static_cast<std::int32_t>(kUnitsTimesUm / std::max(depth_um, 1000) + 0.5);
 }
 
+/// Of the image's lines every second one is looked at, from 640 columns on.
+int lineStep(int width_px) { return std::max(1, width_px / 320); }
+
 /// Directions in the plan: away from the camera's foot through a piece, and to the right of that.
 struct ViewerAxes {
   std::int64_t away_x_q15, away_y_q15;
@@ -56,12 +60,13 @@ struct PlanShape {
   std::int64_t sagitta_um = 0;
 };
 
-ViewerAxes axesTowards(Span<const std::uint32_t> pixels, const Surface& surface) {
+ViewerAxes axesTowards(Span<const Run> runs, const Surface& surface) {
   std::int64_t x = 0, y = 0;
-  for (const std::uint32_t pixel : pixels) {
-    const Point2 p = surface.plan.project(surface.point(pixel));
-    x += p.x;
-    y += p.y;
+  for (const Run& run : runs) {
+    surface.visitPlaced(run, [&](const PlanRays::Placed& placed, int count) {
+      x = std::accumulate(placed.x_um, placed.x_um + count, x);
+      y = std::accumulate(placed.y_um, placed.y_um + count, y);
+    });
   }
   const double dx = static_cast<double>(x), dy = static_cast<double>(y);
   const double length = std::max(1.0, std::sqrt(dx * dx + dy * dy));
@@ -77,25 +82,32 @@ struct Mean {
   std::int64_t value() const { return count > 0 ? sum / count : 0; }
 };
 
-PlanShape shapeOf(Span<const std::uint32_t> pixels, const Surface& surface, const ViewerAxes& axes) {
-  const auto placed = [&](std::uint32_t pixel) {
-    const Point2 p = surface.plan.project(surface.point(pixel));
-    return std::make_pair((axes.away_y_q15 * p.x - axes.away_x_q15 * p.y) >> 15,
-                          (axes.away_x_q15 * p.x + axes.away_y_q15 * p.y) >> 15);
-  };
+/// visit(across, away) in micrometres for each pixel.
+template <typename Visit>
+void visitAlong(Span<const Run> runs, const Surface& surface, const ViewerAxes& axes, Visit visit) {
+  for (const Run& run : runs) {
+    surface.visitPlaced(run, [&](const PlanRays::Placed& placed, int count) {
+      for (int i = 0; i < count; ++i) {
+        visit((axes.away_y_q15 * placed.x_um[i] - axes.away_x_q15 * placed.y_um[i]) >> 15,
+              (axes.away_x_q15 * placed.x_um[i] + axes.away_y_q15 * placed.y_um[i]) >> 15);
+      }
+    });
+  }
+}
+
+PlanShape shapeOf(Span<const Run> runs, const Surface& surface, const ViewerAxes& axes) {
   PlanShape shape;
-  for (const std::uint32_t pixel : pixels) {
-    const auto [across, away] = placed(pixel);
+  visitAlong(runs, surface, axes, [&](std::int64_t across, std::int64_t away) {
     shape.across.add(across);
     shape.away.add(away);
-  }
+  });
   Mean ends, middle;  // the outer and the inner fifths
-  for (const std::uint32_t pixel : pixels) {
-    const auto [across, away] = placed(pixel);
-    const std::int64_t share_percent = 100 * (across - shape.across.low) / (shape.across.size() + 1);
-    if (share_percent < 10 || share_percent >= 90) ends.add(away);
-    if (share_percent >= 40 && share_percent < 60) middle.add(away);
-  }
+  const std::int64_t tenth = shape.across.size() / 10 + 1;
+  visitAlong(runs, surface, axes, [&](std::int64_t across, std::int64_t away) {
+    const std::int64_t from_left = across - shape.across.low, from_right = shape.across.high - across;
+    if (from_left < tenth || from_right < tenth) ends.add(away);
+    if (from_left >= 4 * tenth && from_right >= 4 * tenth) middle.add(away);
+  });
   if (ends.count > 0 && middle.count > 0) shape.sagitta_um = middle.value() - ends.value();
   return shape;
 }
@@ -116,13 +128,15 @@ void Joiner::takePieces(const Surface& surface, std::size_t fewest, const Compon
     pieces_.assign(1, Piece{});
     all = true;
     for (std::size_t part = 0; part < components.parts() && all; ++part) {
-      if (components.pixelsOf(part).size < fewest) continue;
+      if (components.pixelsIn(part) < fewest) continue;
       all = pieces_.size() <= kMostPieces;
       if (all) pieces_.push_back({part, -1});
     }
   }
   for (std::size_t i = 1; i < pieces_.size(); ++i) {
-    for (const std::uint32_t pixel : components.pixelsOf(pieces_[i].part)) piece_[pixel] = static_cast<std::uint8_t>(i);
+    for (const Run& run : components.runsOf(pieces_[i].part)) {
+      std::memset(piece_.data() + run.begin, static_cast<int>(i), run.end - run.begin);
+    }
     for (std::size_t k = 1; k < pieces_.size(); ++k) lines(static_cast<int>(i), static_cast<int>(k)) = Lines{};
   }
 }
@@ -149,13 +163,27 @@ void Joiner::faceBack(const InverseDepth& inverse, std::size_t pixel, std::size_
   }
 }
 
-void Joiner::scan(const InverseDepth& inverse, std::size_t first, std::size_t stride, int length, double focal_px) {
-  for (int i = 1; i < length; ++i) {
-    const std::size_t pixel = first + static_cast<std::size_t>(i) * stride;
-    if (piece_[pixel] == 0 || piece_[pixel] == piece_[pixel - stride]) continue;
-    const double gap_px = kWidestGap_um * focal_px / depthUmOf(inverse.values[pixel]);
-    faceBack(inverse, pixel, stride, gap_px < i ? static_cast<int>(gap_px) : i);
-    if (stride > 1) touch(inverse, pixel, i);
+/// Where the pieces' runs begin, along rows, and where the row above is another piece, along columns.
+void Joiner::scan(const Surface& surface, const Camera& camera, Span<const Run> runs) {
+  const InverseDepth& inverse = surface.inverse;
+  const auto width = static_cast<std::size_t>(inverse.width_px);
+  const double along_row = kWidestGap_um * (camera.fx_q16 / 65536.0),
+               along_column = kWidestGap_um * (camera.fy_q16 / 65536.0);
+  const auto farthest = [&](double gap, std::size_t pixel, int most) {
+    const double gap_px = gap / depthUmOf(inverse.values[pixel]);
+    return gap_px < most ? static_cast<int>(gap_px) : most;
+  };
+  const int step = lineStep(inverse.width_px);
+  for (const Run& run : runs) {
+    const int row = surface.row(run.begin), column = static_cast<int>(run.begin) - row * inverse.width_px;
+    if (column > 0 && row % step == 0) faceBack(inverse, run.begin, 1, farthest(along_row, run.begin, column));
+    if (row == 0) continue;
+    for (std::size_t pixel = run.begin + static_cast<std::size_t>(column % step); pixel < run.end;
+         pixel += static_cast<std::size_t>(step)) {
+      if (piece_[pixel] == piece_[pixel - width]) continue;
+      faceBack(inverse, pixel, width, farthest(along_column, pixel, row));
+      touch(inverse, pixel, row);
+    }
   }
 }
 
@@ -171,30 +199,24 @@ void Joiner::touch(const InverseDepth& inverse, std::size_t pixel, int row) {
   }
 }
 
-bool Joiner::join(const Surface& surface, const Camera& camera, std::size_t fewest, Components& components) {
+void Joiner::join(const Surface& surface, const Camera& camera, std::size_t fewest, Components& components) {
   takePieces(surface, fewest, components);
-  const InverseDepth& inverse = surface.inverse;
-  const auto width = static_cast<std::size_t>(inverse.width_px);
-  for (int v = 0; v < inverse.height_px; ++v) {
-    scan(inverse, static_cast<std::size_t>(v) * width, 1, inverse.width_px, camera.fx_q16 / 65536.0);
-  }
-  for (std::size_t u = 0; u < width; ++u) scan(inverse, u, width, inverse.height_px, camera.fy_q16 / 65536.0);
-  bool any = false;
   const auto count = static_cast<int>(pieces_.size());
+  for (const Piece& piece : pieces_) {
+    if (&piece != pieces_.data()) scan(surface, camera, components.runsOf(piece.part));
+  }
   for (int a = 1; a < count; ++a) {
     for (int b = a + 1; b < count; ++b) {
       if (!belongTogether(a, b, surface, components)) continue;
-      components.uniteParts(pieces_[static_cast<std::size_t>(a)].part, pieces_[static_cast<std::size_t>(b)].part);
-      any = true;
+      components.join(pieces_[static_cast<std::size_t>(a)].part, pieces_[static_cast<std::size_t>(b)].part);
     }
   }
-  return any;
 }
 
 bool Joiner::belongTogether(int a, int b, const Surface& surface, const Components& components) {
   const int width_px = surface.inverse.width_px;
-  const bool cut = cutByNearer(a, b, std::max(2, kFewestLines * width_px / 640));
-  const int fewest_columns = std::max(4, kFewestTouching * width_px / 640);
+  const bool cut = cutByNearer(a, b, std::max(2, kFewestLines * width_px / 640 / lineStep(width_px)));
+  const int fewest_columns = std::max(4, kFewestTouching * width_px / 640 / lineStep(width_px));
   const bool a_above = lines(a, b).touching >= fewest_columns, b_above = lines(b, a).touching >= fewest_columns;
   if (!cut && !a_above && !b_above) return false;
   Piece &first = pieces_[static_cast<std::size_t>(a)], &second = pieces_[static_cast<std::size_t>(b)];
@@ -213,10 +235,9 @@ bool Joiner::cutByNearer(int a, int b, int fewest_lines) {
 /// A vessel's far wall, seen from inside, is hollow towards the viewer, its near wall bulges.
 bool Joiner::wallsOfVessel(const Piece& far, const Piece& near, const Surface& surface,
                            const Components& components) const {
-  const Span<const std::uint32_t> far_pixels = components.pixelsOf(far.part),
-                                  near_pixels = components.pixelsOf(near.part);
-  const ViewerAxes axes = axesTowards(far_pixels, surface);
-  const PlanShape far_shape = shapeOf(far_pixels, surface, axes), near_shape = shapeOf(near_pixels, surface, axes);
+  const Span<const Run> far_runs = components.runsOf(far.part), near_runs = components.runsOf(near.part);
+  const ViewerAxes axes = axesTowards(far_runs, surface);
+  const PlanShape far_shape = shapeOf(far_runs, surface, axes), near_shape = shapeOf(near_runs, surface, axes);
   const Extent across = united(far_shape.across, near_shape.across), away = united(far_shape.away, near_shape.away);
   if (across.size() > kWidestVessel_um || away.size() > kWidestVessel_um) return false;
   if (2 * overlapOf(far_shape.across, near_shape.across) <
@@ -228,15 +249,18 @@ bool Joiner::wallsOfVessel(const Piece& far, const Piece& near, const Surface& s
 
 int Joiner::topOf(Piece& piece, const Surface& surface, const Components& components) {
   if (piece.top_mm >= 0) return piece.top_mm;
-  const Span<const std::uint32_t> pixels = components.pixelsOf(piece.part);
   std::fill(heights_mm_.begin(), heights_mm_.end(), 0);
-  for (const std::uint32_t pixel : pixels) {
-    const int height_mm = surface.plan.heightUm(surface.point(pixel)) / 1000;
-    ++heights_mm_[static_cast<std::size_t>(std::clamp(height_mm, 0, kHighest_mm))];
+  for (const Run& run : components.runsOf(piece.part)) {
+    surface.visitPlaced(run, [&](const PlanRays::Placed& placed, int count) {
+      for (int i = 0; i < count; ++i) {
+        ++heights_mm_[static_cast<std::size_t>(std::clamp(placed.height_um[i] / 1000, 0, kHighest_mm))];
+      }
+    });
   }
   std::size_t below = 0;
   int top_mm = -1;
-  while (below * 100 < pixels.size * kTopPercentile) below += heights_mm_[static_cast<std::size_t>(++top_mm)];
+  while (below * 100 < components.pixelsIn(piece.part) * kTopPercentile)
+    below += heights_mm_[static_cast<std::size_t>(++top_mm)];
   return piece.top_mm = top_mm;
 }
 

@@ -15,8 +15,8 @@ class Joiner {
   Joiner();
   void reserve(std::size_t pixels);
 
-  /// Unites parts of at least `fewest` pixels; true if any.
-  bool join(const Surface& surface, const Camera& camera, std::size_t fewest, Components& components);
+  /// Joins parts of at least `fewest` pixels.
+  void join(const Surface& surface, const Camera& camera, std::size_t fewest, Components& components);
 
  private:
   static constexpr std::size_t kMostPieces = 255;  // numbered 1 to 255; 0 is none
@@ -33,7 +33,7 @@ class Joiner {
   };
 
   void takePieces(const Surface& surface, std::size_t fewest, const Components& components);
-  void scan(const InverseDepth& inverse, std::size_t first, std::size_t stride, int length, double focal_px);
+  void scan(const Surface& surface, const Camera& camera, Span<const Run> runs);
   void faceBack(const InverseDepth& inverse, std::size_t pixel, std::size_t stride, int farthest_px);
   void touch(const InverseDepth& inverse, std::size_t pixel, int row);
   Lines& lines(int a, int b) {

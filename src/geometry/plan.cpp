@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vectorised.h"
+
 namespace voxid {
 namespace {
 
@@ -14,16 +16,60 @@ std::int64_t cross(Point2 o, Point2 a, Point2 b) {
 /// Fewer pixels in a row than this do not make the outline: flying pixels cross the plane too.
 constexpr int kShortestRun = 8;
 
-/// First column of the first run of kShortestRun pixels on the plane, going by `step` from `from` to `end`; -1 if none.
-int firstRun(const std::int32_t* values, const PlaneSums& sums, std::int32_t row, std::int32_t tolerance, int from,
-             int end, int step) {
+/// A row of the image and what it shows if it shows the table.
+struct TableRow {
+  const std::int32_t *values, *columns;
+  std::int32_t row, tolerance;
+
+  bool shows(int u) const {
+    const std::int32_t r = values[u] - (columns[u] + row);
+    return (values[u] > 0) & (r <= tolerance) & (r >= -tolerance);
+  }
+};
+
+VOXID_VECTORISED int anyShows(const TableRow& row, int first, int end) {
+  const TableRow here = row;
+  int any = 0;
+  for (int u = first; u < end; ++u) any |= static_cast<int>(here.shows(u));
+  return any;
+}
+
+/// First column of the first run of kShortestRun pixels on the plane, going by `step` (1 or -1) through the row's
+/// `width`; -1 if none. Blocks without such a pixel are passed at once.
+int firstRun(const TableRow& row, int width, int step) {
+  constexpr int kBlock = 32;
   int run = 0;
-  for (int u = from; u != end; u += step) {
-    const std::int32_t r = values[u] - (sums.columns[static_cast<std::size_t>(u)] + row);
-    run = values[u] > 0 && r <= tolerance && r >= -tolerance ? run + 1 : 0;
+  for (int i = 0; i < width; ++i) {
+    const int u = step > 0 ? i : width - 1 - i;
+    if (i % kBlock == 0) {
+      const int last = std::clamp(u + step * (kBlock - 1), 0, width - 1);
+      if (!anyShows(row, std::min(u, last), std::max(u, last) + 1)) {
+        run = 0;
+        i += kBlock - 1;
+        continue;
+      }
+    }
+    run = row.shows(u) ? run + 1 : 0;
     if (run == kShortestRun) return u - (kShortestRun - 1) * step;
   }
   return -1;
+}
+
+/// What the three axes of the plan add for a row's columns and for the row.
+struct PlaceTerms {
+  const float *x, *y, *height;
+  float row_x, row_y, row_height, distance_um;
+};
+
+VOXID_VECTORISED void placeRun(const std::int32_t* inverse, const PlaceTerms& terms, int count,
+                               PlanRays::Placed& placed) {
+  const PlaceTerms t = terms;
+  for (int i = 0; i < count; ++i) {
+    const float depth_um = static_cast<float>(kUnitsTimesUm) / static_cast<float>(inverse[i]);
+    placed.x_um[i] = static_cast<std::int32_t>(depth_um * (t.x[i] + t.row_x));
+    placed.y_um[i] = static_cast<std::int32_t>(depth_um * (t.y[i] + t.row_y));
+    placed.height_um[i] = static_cast<std::int32_t>(depth_um * (t.height[i] + t.row_height) + t.distance_um);
+  }
 }
 
 Eigen::Vector3d cross3(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -84,6 +130,31 @@ Eigen::Vector3d Plan::lift(double x_m, double y_m, double height_m) const {
   return direction(x_m, y_m) + (height_m - distance_um_ * 1e-6) * axis_[2];
 }
 
+void PlanRays::reserve(int width_px, int height_px) {
+  for (auto& columns : columns_) columns.reserve(static_cast<std::size_t>(width_px));
+  for (auto& rows : rows_) rows.reserve(static_cast<std::size_t>(height_px));
+}
+
+void PlanRays::fill(const Rays& rays, const Plan& plan) {
+  constexpr double kUnit = 1.0 / (1 << 20);
+  distance_um_ = static_cast<float>(plan.distanceUm());
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d& axis = plan.axis(i);
+    columns_[i].clear();
+    for (const std::int32_t x : rays.x_q20) columns_[i].push_back(static_cast<float>(x * kUnit * axis.x()));
+    rows_[i].clear();
+    for (const std::int32_t y : rays.y_q20) rows_[i].push_back(static_cast<float>(y * kUnit * axis.y() + axis.z()));
+  }
+}
+
+void PlanRays::place(const std::int32_t* inverse, int u, int v, int count, Placed& placed) const {
+  const auto row = static_cast<std::size_t>(v);
+  placeRun(inverse,
+           {columns_[0].data() + u, columns_[1].data() + u, columns_[2].data() + u, rows_[0][row], rows_[1][row],
+            rows_[2][row], distance_um_},
+           count, placed);
+}
+
 void Outline::reserve(int height_px) {
   const auto most = 2 * static_cast<std::size_t>(height_px);
   ends_.reserve(most);
@@ -96,10 +167,10 @@ void Outline::reserve(int height_px) {
 void Outline::collectRowEnds(const InverseDepth& inverse, const PlaneSums& sums, std::int32_t tolerance) {
   ends_.clear();
   for (int v = 0; v < inverse.height_px; ++v) {
-    const std::int32_t row = sums.rows[static_cast<std::size_t>(v)];
-    const int left = firstRun(inverse.row(v), sums, row, tolerance, 0, inverse.width_px, 1);
+    const TableRow row{inverse.row(v), sums.columns.data(), sums.rows[static_cast<std::size_t>(v)], tolerance};
+    const int left = firstRun(row, inverse.width_px, 1);
     if (left < 0) continue;
-    const int right = firstRun(inverse.row(v), sums, row, tolerance, inverse.width_px - 1, -1, -1);
+    const int right = firstRun(row, inverse.width_px, -1);
     ends_.push_back({v, left});
     ends_.push_back({v, right});
   }

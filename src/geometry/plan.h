@@ -39,6 +39,9 @@ class Plan {
   void set(const MetricPlane& table);
 
   Point2 project(const PointUm& p) const { return {along(axis_q20_[0], p), along(axis_q20_[1], p)}; }
+  /// A unit vector of the plan: x, y, or up, in the camera's frame.
+  const Eigen::Vector3d& axis(int i) const { return axis_[i]; }
+  std::int32_t distanceUm() const { return distance_um_; }
   std::int32_t heightUm(const PointUm& p) const { return along(axis_q20_[2], p) + distance_um_; }
   Eigen::Vector3d direction(double x, double y) const { return x * axis_[0] + y * axis_[1]; }
   /// The point at (x, y) in the plan, `height` above the table; all in metres.
@@ -53,6 +56,25 @@ class Plan {
   Eigen::Vector3d axis_[3];
   AxisQ20 axis_q20_[3];
   std::int32_t distance_um_ = 0;
+};
+
+/// Places many pixels in the plan at a time. In the plan a point is its depth times a sum of a term of its column and
+/// one of its row.
+class PlanRays {
+ public:
+  static constexpr int kMost = 64;
+  struct Placed {
+    std::int32_t x_um[kMost], y_um[kMost], height_um[kMost];
+  };
+
+  void reserve(int width_px, int height_px);
+  void fill(const Rays& rays, const Plan& plan);
+  /// Pixels (u, v) to (u + count - 1, v) with depth; at most kMost.
+  void place(const std::int32_t* inverse, int u, int v, int count, Placed& placed) const;
+
+ private:
+  std::vector<float> columns_[3], rows_[3];
+  float distance_um_ = 0;
 };
 
 /// The convex hull of the table's pixels. A plane's homography keeps hulls, so it is found in the image.

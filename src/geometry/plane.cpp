@@ -2,18 +2,20 @@
 #include "plane.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 
 #include "angle.h"
+#include "vectorised.h"
 
 namespace voxid {
 namespace {
 
 constexpr double kMissProbability = 1e-4;  // RANSAC stops at a confidence of 0.9999
 constexpr int kSampleSites = 2133;         // every 12th pixel both ways at 640 x 480
-constexpr int kRefits = 2;
-constexpr double kFarthestTable_m = 100;  // micrometres stay below 2^31
+constexpr int kCoarseRowStep = 4;          // of the first refit; the second takes every row
+constexpr double kFarthestTable_m = 100;   // micrometres stay below 2^31
 
 std::int32_t saturate(double x) { return static_cast<std::int32_t>(std::floor(std::clamp(x, -5e8, 5e8) + 0.5)); }
 
@@ -36,14 +38,14 @@ struct ResidualSums {
   std::int64_t n = 0, u = 0, v = 0, uu = 0, uv = 0, vv = 0, r = 0, ur = 0, vr = 0;
 };
 
-constexpr int kBlock = 64;  // pixels whose sums stay below 2^31
+constexpr int kBlock = 256;  // pixels whose sums stay below 2^31 at the largest tolerance, 25,600
 
 struct BlockSums {
   std::int32_t n = 0, k = 0, kk = 0, r = 0, kr = 0;
 };
 
-BlockSums sumBlock(const std::int32_t* inverse, const std::int32_t* columns, std::int32_t row, std::int32_t tolerance,
-                   int count) {
+VOXID_VECTORISED BlockSums sumBlock(const std::int32_t* inverse, const std::int32_t* columns, std::int32_t row,
+                                    std::int32_t tolerance, int count) {
   BlockSums s;
   for (std::int32_t k = 0; k < count; ++k) {
     const std::int32_t r = inverse[k] - (columns[k] + row);
@@ -72,10 +74,10 @@ void addBlock(const BlockSums& block, std::int64_t first_u, std::int64_t v, Resi
   sums.vr += v * block.r;
 }
 
-ResidualSums sumInliers(const InverseDepth& inverse, const PlaneSums& plane, std::int32_t tolerance) {
+ResidualSums sumInliers(const InverseDepth& inverse, const PlaneSums& plane, std::int32_t tolerance, int row_step) {
   ResidualSums sums;
   const int middle_u = inverse.width_px / 2, middle_v = inverse.height_px / 2;
-  for (int v = 0; v < inverse.height_px; ++v) {
+  for (int v = 0; v < inverse.height_px; v += row_step) {
     for (int u = 0; u < inverse.width_px; u += kBlock) {
       const int count = std::min(kBlock, inverse.width_px - u);
       const BlockSums block = sumBlock(inverse.row(v) + u, plane.columns.data() + u,
@@ -86,17 +88,52 @@ ResidualSums sumInliers(const InverseDepth& inverse, const PlaneSums& plane, std
   return sums;
 }
 
-std::uint32_t countInliers(const InverseDepth& inverse, const PlaneSums& plane, std::int32_t tolerance) {
-  std::uint32_t count = 0;
-  for (int v = 0; v < inverse.height_px; ++v) {
-    const std::int32_t *values = inverse.row(v), *columns = plane.columns.data();
-    const std::int32_t row = plane.rows[static_cast<std::size_t>(v)];
-    for (int u = 0; u < inverse.width_px; ++u) {
-      const std::int32_t r = values[u] - (columns[u] + row);
-      count += static_cast<std::uint32_t>((r <= tolerance) & (r >= -tolerance) & (values[u] > 0));
-    }
+VOXID_VECTORISED std::uint32_t countInRow(const std::int32_t* inverse, const std::int32_t* columns, std::int32_t row,
+                                          std::int32_t tolerance, int count) {
+  std::int32_t inliers = 0;
+  for (int u = 0; u < count; ++u) {
+    const std::int32_t r = inverse[u] - (columns[u] + row);
+    inliers += (r <= tolerance) & (r >= -tolerance) & (inverse[u] > 0);
   }
-  return count;
+  return static_cast<std::uint32_t>(inliers);
+}
+
+std::uint32_t countInliers(const InverseDepth& inverse, const PlaneSums& plane, std::int32_t tolerance) {
+  std::uint32_t inliers = 0;
+  for (int v = 0; v < inverse.height_px; ++v) {
+    inliers += countInRow(inverse.row(v), plane.columns.data(), plane.rows[static_cast<std::size_t>(v)], tolerance,
+                          inverse.width_px);
+  }
+  return inliers;
+}
+
+/// Squares of the heights of a row's inliers, summed in whole square micrometres.
+struct SquareSum {
+  std::int64_t squares_um2 = 0;
+  std::int32_t heights = 0;
+};
+
+VOXID_VECTORISED SquareSum squaresInRow(const std::int32_t* inverse, const std::int32_t* columns, std::int32_t row,
+                                        std::int32_t tolerance, float distance_um, int count) {
+  SquareSum sum;
+  for (int u = 0; u < count; ++u) {
+    const std::int32_t r = inverse[u] - (columns[u] + row);
+    const bool inlier = (r <= tolerance) & (r >= -tolerance) & (inverse[u] > 0);
+    const float height_um = distance_um * static_cast<float>(r) / static_cast<float>(inlier ? inverse[u] : 1);
+    const std::int64_t whole_um = inlier ? static_cast<std::int32_t>(height_um) : 0;
+    sum.squares_um2 += whole_um * whole_um;
+    sum.heights += inlier;
+  }
+  return sum;
+}
+
+/// Samples within the limit of the plane normal . (u, v, inverse) = offset.
+VOXID_VECTORISED int countNear(const std::int32_t* u, const std::int32_t* v, const std::int32_t* inverse, int count,
+                               const Eigen::Vector3d& normal, double offset, double limit) {
+  const double nu = normal.x(), nv = normal.y(), nw = normal.z();
+  int near = 0;
+  for (int i = 0; i < count; ++i) near += std::abs(nu * u[i] + nv * v[i] + nw * inverse[i] - offset) <= limit;
+  return near;
 }
 
 /// The plane that is added to the present one; false if the inliers lie on a line.
@@ -118,9 +155,9 @@ bool solve(const ResidualSums& s, InversePlane& change) {
   return true;
 }
 
-void refit(const InverseDepth& inverse, std::int32_t tolerance, InversePlane& plane, PlaneSums& sums) {
+void refit(const InverseDepth& inverse, std::int32_t tolerance, int row_step, InversePlane& plane, PlaneSums& sums) {
   InversePlane change;
-  if (!solve(sumInliers(inverse, sums, tolerance), change)) return;
+  if (!solve(sumInliers(inverse, sums, tolerance, row_step), change)) return;
   plane.per_u += change.per_u;
   plane.per_v += change.per_v;
   plane.at_origin += change.at_origin - change.per_u * (inverse.width_px / 2) - change.per_v * (inverse.height_px / 2);
@@ -191,7 +228,21 @@ void PlaneFinder::reserve(int width_px, int height_px) {
       (static_cast<std::size_t>(width_px) / step + 1) * (static_cast<std::size_t>(height_px) / step + 1);
   // A smaller image may have more samples, as steps are whole pixels.
   samples_.reserve(std::max<std::size_t>(most, 3 * kSampleSites));
-  above_.reserve(samples_.capacity());
+  above_.reserve(samples_.u.capacity());
+}
+
+void PlaneFinder::Samples::reserve(std::size_t most) {
+  for (auto* values : {&u, &v, &inverse}) values->reserve(most);
+}
+
+void PlaneFinder::Samples::clear() {
+  for (auto* values : {&u, &v, &inverse}) values->clear();
+}
+
+void PlaneFinder::Samples::add(std::int32_t at_u, std::int32_t at_v, std::int32_t value) {
+  u.push_back(at_u);
+  v.push_back(at_v);
+  inverse.push_back(value);
 }
 
 void PlaneFinder::takeSamples(const InverseDepth& inverse) {
@@ -200,39 +251,36 @@ void PlaneFinder::takeSamples(const InverseDepth& inverse) {
   for (int v = step / 2; v < inverse.height_px; v += step) {
     for (int u = step / 2; u < inverse.width_px; u += step) {
       const std::int32_t value = inverse.row(v)[u];
-      if (value > 0) samples_.push_back({u, v, value});
+      if (value > 0) samples_.add(u, v, value);
     }
   }
 }
 
 template <typename Accept>
-PlaneFinder::Candidate PlaneFinder::draw(const std::vector<Sample>& samples, const SegmentParams& params,
-                                         Accept accept) const {
+PlaneFinder::Candidate PlaneFinder::draw(const Samples& samples, const SegmentParams& params, Accept accept) const {
   Candidate best;
   if (samples.size() < 3) return best;
-  const std::int64_t tolerance = params.plane_inlier_per_km * kUnitsPerKm;
+  const double tolerance = params.plane_inlier_per_km * kUnitsPerKm;
   Draws draws(samples.size());
   int needed = params.plane_draws;
   for (int i = 0; i < needed; ++i) {
     std::uint32_t ia, ib, ic;
     draws.next(ia, ib, ic);
-    const Sample &a = samples[ia], &b = samples[ib], &c = samples[ic];
-    // The normal of the plane through three points of (u, v, inverse depth): exact in 64 bits.
-    const std::int64_t bu = b.u - a.u, bv = b.v - a.v, bw = b.inverse - a.inverse;
-    const std::int64_t cu = c.u - a.u, cv = c.v - a.v, cw = c.inverse - a.inverse;
-    const std::int64_t nu = bv * cw - bw * cv, nv = bw * cu - bu * cw, nw = bu * cv - bv * cu;
-    if (nw == 0) continue;
+    const auto at = [&](std::uint32_t k) { return std::array{samples.u[k], samples.v[k], samples.inverse[k]}; };
+    const auto a = at(ia), b = at(ib), c = at(ic);
+    // The normal of the plane through three points of (u, v, inverse depth): whole numbers, exact in double.
+    const double bu = b[0] - a[0], bv = b[1] - a[1], bw = b[2] - a[2], cu = c[0] - a[0], cv = c[1] - a[1],
+                 cw = c[2] - a[2];
+    const Eigen::Vector3d n(bv * cw - bw * cv, bw * cu - bu * cw, bu * cv - bv * cu);
+    if (n.z() == 0) continue;
     InversePlane plane;
-    plane.per_u = -static_cast<double>(nu) / static_cast<double>(nw);
-    plane.per_v = -static_cast<double>(nv) / static_cast<double>(nw);
-    plane.at_origin = a.inverse - plane.per_u * a.u - plane.per_v * a.v;
+    plane.per_u = -n.x() / n.z();
+    plane.per_v = -n.y() / n.z();
+    plane.at_origin = a[2] - plane.per_u * a[0] - plane.per_v * a[1];
     if (!accept(plane)) continue;
-    const std::int64_t limit = tolerance * std::abs(nw);
-    int inliers = 0;
-    for (const Sample& s : samples) {
-      const std::int64_t miss = nu * (s.u - a.u) + nv * (s.v - a.v) + nw * (s.inverse - a.inverse);
-      inliers += std::abs(miss) <= limit;
-    }
+    const double offset = n.x() * a[0] + n.y() * a[1] + n.z() * a[2];
+    const int inliers = countNear(samples.u.data(), samples.v.data(), samples.inverse.data(),
+                                  static_cast<int>(samples.size()), n, offset, tolerance * std::abs(n.z()));
     if (inliers <= best.inliers) continue;
     best = {plane, inliers};
     needed = std::min(needed, std::max(i + 1, drawsFor(inliers, samples.size(), params.plane_draws)));
@@ -251,9 +299,10 @@ PlaneFinder::Candidate PlaneFinder::tableAboveFloor(Candidate floor, const Camer
   for (int level = 0; level < kMostLevels; ++level) {
     const MetricPlane below = metricOf(floor.plane, camera);
     above_.clear();
-    for (const Sample& s : samples_) {
-      const double expected = floor.plane.per_u * s.u + floor.plane.per_v * s.v + floor.plane.at_origin;
-      if (below.distance_m * (s.inverse - expected) > kTableAboveFloor_m * s.inverse) above_.push_back(s);
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      const std::int32_t u = samples_.u[i], v = samples_.v[i], value = samples_.inverse[i];
+      const double expected = floor.plane.per_u * u + floor.plane.per_v * v + floor.plane.at_origin;
+      if (below.distance_m * (value - expected) > kTableAboveFloor_m * value) above_.add(u, v, value);
     }
     if (static_cast<double>(above_.size()) < enough) break;
     const Candidate nearer = draw(above_, params, [&](const InversePlane& plane) {
@@ -275,28 +324,20 @@ bool PlaneFinder::find(const InverseDepth& inverse, const Camera& camera, const 
   if (largest.inliers < 3) return false;
   plane = tableAboveFloor(largest, camera, params).plane;
   sums.fill(plane, inverse.width_px, inverse.height_px);
-  for (int i = 0; i < kRefits; ++i) {
-    refit(inverse, i == 0 ? params.plane_inlier_per_km * kUnitsPerKm : fineTolerance(params), plane, sums);
-  }
+  refit(inverse, params.plane_inlier_per_km * kUnitsPerKm, kCoarseRowStep, plane, sums);
+  refit(inverse, fineTolerance(params), 1, plane, sums);
   const double distance_m = metricOf(plane, camera).distance_m;
   return distance_m > 0 && distance_m < kFarthestTable_m;
 }
 
 PlaneSupport supportOf(const InverseDepth& inverse, const PlaneSums& sums, std::int32_t tolerance, double distance_m) {
-  constexpr int kRowStep = 4;  // a quarter of the heights gives their mean square as well
+  constexpr int kRowStep = 8;  // an eighth of the heights gives their mean square as well
   std::int64_t squares_um2 = 0, heights = 0;
-  const auto distance_um = static_cast<float>(distance_m * 1e6);
   for (int v = 0; v < inverse.height_px; v += kRowStep) {
-    const std::int32_t* values = inverse.row(v);
-    const std::int32_t row = sums.rows[static_cast<std::size_t>(v)];
-    for (int u = 0; u < inverse.width_px; ++u) {
-      const std::int32_t r = values[u] - (sums.columns[static_cast<std::size_t>(u)] + row);
-      if (values[u] == 0 || std::abs(r) > tolerance) continue;
-      const auto height_um =
-          static_cast<std::int32_t>(distance_um * static_cast<float>(r) / static_cast<float>(values[u]));
-      squares_um2 += static_cast<std::int64_t>(height_um) * height_um;
-      ++heights;
-    }
+    const SquareSum row = squaresInRow(inverse.row(v), sums.columns.data(), sums.rows[static_cast<std::size_t>(v)],
+                                       tolerance, static_cast<float>(distance_m * 1e6), inverse.width_px);
+    squares_um2 += row.squares_um2;
+    heights += row.heights;
   }
   PlaneSupport support;
   support.inliers = countInliers(inverse, sums, tolerance);

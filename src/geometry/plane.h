@@ -41,8 +41,13 @@ class PlaneFinder {
             PlaneSums& sums);
 
  private:
-  struct Sample {
-    std::int32_t u, v, inverse;
+  struct Samples {
+    std::vector<std::int32_t> u, v, inverse;
+
+    void reserve(std::size_t most);
+    void clear();
+    void add(std::int32_t at_u, std::int32_t at_v, std::int32_t value);
+    std::size_t size() const { return u.size(); }
   };
   struct Candidate {
     InversePlane plane;
@@ -52,10 +57,10 @@ class PlaneFinder {
 
   void takeSamples(const InverseDepth& inverse);
   template <typename Accept>
-  Candidate draw(const std::vector<Sample>& samples, const SegmentParams& params, Accept accept) const;
+  Candidate draw(const Samples& samples, const SegmentParams& params, Accept accept) const;
   Candidate tableAboveFloor(Candidate floor, const Camera& camera, const SegmentParams& params);
 
-  std::vector<Sample> samples_, above_;
+  Samples samples_, above_;
 };
 
 /// Pixels whose inverse depth is within `tolerance` (units) of the plane, and the root mean square of their heights.

@@ -42,11 +42,13 @@ struct Segmenter::Workspace {
   PlaneSums sums;
   Rays rays;
   Plan plan;
+  PlanRays plan_rays;
   Outline outline;
   Components components;
   Splitter splitter;
   Joiner joiner;
   BoxFitter boxes;
+  std::vector<std::uint32_t> pixels;  ///< of the clusters
   std::vector<Cluster> clusters;
   Scene scene;
 
@@ -55,23 +57,26 @@ struct Segmenter::Workspace {
   bool findTable(const DepthView& depth, const SegmentParams& params);
   void findClusters(const DepthView& depth, const SegmentParams& params);
   void drop(DropReason reason) { ++scene.dropped[static_cast<std::size_t>(reason)]; }
-  int shareInside_percent(Span<const std::uint32_t> pixels, std::int32_t margin_um) const;
-  void keep(Span<const std::uint32_t> pixels, std::size_t most);
-  void measure(Cluster& cluster, const SegmentParams& params);
+  void findParts(const Surface& surface, const Camera& camera, const SegmentParams& params);
+  void takeClusters(const Surface& surface, const SegmentParams& params);
+  int shareInside_percent(const Surface& surface, Span<const std::uint32_t> probed, std::int32_t margin_um) const;
+  void keep(const Cluster& cluster, std::size_t most);
 };
 
 /// All memory that an image of this size can need, whatever it shows.
 void Segmenter::Workspace::reserve(int width_px, int height_px) {
-  const std::size_t pixels = static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
-  inverse.values.reserve(pixels);
+  const std::size_t count = static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
+  inverse.values.reserve(count);
   plane_finder.reserve(width_px, height_px);
   sums.reserve(width_px, height_px);
   rays.reserve(width_px, height_px);
+  plan_rays.reserve(width_px, height_px);
   outline.reserve(height_px);
-  components.reserve(pixels, width_px);
+  components.reserve(count, width_px);
   splitter.reserve(width_px, height_px);
-  joiner.reserve(pixels);
-  boxes.reserve(pixels);
+  joiner.reserve(count);
+  boxes.reserve(count);
+  pixels.reserve(count);
   clusters.reserve(kMostClusters);
 }
 
@@ -102,6 +107,7 @@ bool Segmenter::Workspace::findTable(const DepthView& depth, const SegmentParams
   if (support.inliers < std::max<std::size_t>(scaled(params.min_table_pixels, inverse), 3)) return false;
   rays.fill(depth.camera, depth.width_px, depth.height_px);
   plan.set(metric);
+  plan_rays.fill(rays, plan);
   if (!outline.fill(inverse, sums, fineTolerance(params), rays, plan)) return false;
   scene.table.normal = metric.normal.cast<float>();
   scene.table.distance_m = static_cast<float>(metric.distance_m);
@@ -111,68 +117,76 @@ bool Segmenter::Workspace::findTable(const DepthView& depth, const SegmentParams
   return true;
 }
 
-/// Share of a cluster's points whose feet on the table lie inside the outline, from evenly spaced ones.
-int Segmenter::Workspace::shareInside_percent(Span<const std::uint32_t> pixels, std::int32_t margin_um) const {
-  const std::size_t step = std::max<std::size_t>(1, pixels.size / kOutlineProbes);
+/// Share of points whose feet on the table lie inside the widened outline, from evenly spaced ones.
+int Segmenter::Workspace::shareInside_percent(const Surface& surface, Span<const std::uint32_t> probed,
+                                              std::int32_t margin_um) const {
+  const std::size_t step = std::max<std::size_t>(1, probed.size / kOutlineProbes);
   int inside = 0, probes = 0;
-  for (std::size_t i = step / 2; i < pixels.size; i += step) {
-    const std::uint32_t pixel = pixels[i];
-    const int u = static_cast<int>(pixel % static_cast<std::uint32_t>(inverse.width_px));
-    const int v = static_cast<int>(pixel / static_cast<std::uint32_t>(inverse.width_px));
-    const PointUm point = rays.point(u, v, depthUmOf(inverse.values[pixel]));
-    inside += outline.contains(plan.project(point), margin_um);
+  for (std::size_t i = step / 2; i < probed.size; i += step) {
+    inside += outline.contains(plan.project(surface.point(probed[i])), margin_um);
     ++probes;
   }
   return 100 * inside / probes;
 }
 
-/// Past the limit the smallest makes room; of equal ones the later. The limit bounds the work a part costs.
-void Segmenter::Workspace::keep(Span<const std::uint32_t> pixels, std::size_t most) {
+/// Past the limit the smallest makes room; of equal ones the later. The limit bounds the work a group costs.
+void Segmenter::Workspace::keep(const Cluster& cluster, std::size_t most) {
+  const auto goesFirst = [](const Cluster& a, const Cluster& b) {
+    return a.pixels.size != b.pixels.size ? a.pixels.size < b.pixels.size : a.pixels[0] > b.pixels[0];
+  };
   if (clusters.size() >= most) {
     drop(DropReason::TooMany);
-    auto smallest = clusters.begin();
-    for (auto c = clusters.begin(); c != clusters.end(); ++c) {
-      if (c->pixels.size <= smallest->pixels.size) smallest = c;
-    }
-    if (smallest->pixels.size >= pixels.size) return;
+    const auto smallest = std::min_element(clusters.begin(), clusters.end(), goesFirst);
+    if (goesFirst(cluster, *smallest)) return;
     clusters.erase(smallest);
   }
-  clusters.emplace_back();
-  clusters.back().pixels = pixels;
+  clusters.push_back(cluster);
 }
 
-void Segmenter::Workspace::measure(Cluster& cluster, const SegmentParams& params) {
-  constexpr int kMostlyInside_percent = 95;
-  boxes.fit(inverse, rays, plan, cluster);
-  if (shareInside_percent(cluster.pixels, params.outline_margin_mm * 1000) < kMostlyInside_percent) {
-    cluster.truncated = true;
+void Segmenter::Workspace::findParts(const Surface& surface, const Camera& camera, const SegmentParams& params) {
+  components.find(surface, params);
+  const auto atLeastOne = [](std::size_t fewest) { return std::max<std::size_t>(fewest, 1); };
+  if (params.split) {
+    splitter.split(surface, camera, atLeastOne(scaled(params.split_min_pixels, inverse)), params, components);
+  }
+  if (params.join) joiner.join(surface, camera, atLeastOne(scaled(params.min_cluster_pixels, inverse) / 5), components);
+}
+
+/// Groups of parts that are large enough and stand on the table.
+void Segmenter::Workspace::takeClusters(const Surface& surface, const SegmentParams& params) {
+  constexpr int kOnTheTable_percent = 30, kMostlyInside_percent = 95;
+  const std::size_t fewest = std::max<std::size_t>(scaled(params.min_cluster_pixels, inverse), 1);
+  const auto most = std::min(static_cast<std::size_t>(std::max(params.max_clusters, 1)), kMostClusters);
+  pixels.clear();
+  for (std::size_t part = 0; part < components.parts(); ++part) {
+    if (!components.firstOfGroup(part)) continue;
+    if (components.pixelsInGroup(part) < fewest) {
+      drop(DropReason::TooFewPoints);
+      continue;
+    }
+    const std::size_t first = pixels.size();
+    components.collect(part, pixels);
+    Cluster cluster;
+    cluster.pixels = {pixels.data() + first, pixels.size() - first};
+    const int inside_percent = shareInside_percent(surface, cluster.pixels, params.outline_margin_mm * 1000);
+    cluster.truncated = inside_percent < kMostlyInside_percent;
+    if (inside_percent < kOnTheTable_percent) {
+      drop(DropReason::OutsideOutline);
+    } else {
+      keep(cluster, most);
+    }
   }
 }
 
 void Segmenter::Workspace::findClusters(const DepthView& depth, const SegmentParams& params) {
-  constexpr int kOnTheTable_percent = 30;
-  const Surface surface{inverse, sums, rays, plan, scene.table.distance_m};
-  components.find(surface, params);
-  components.sort();
-  const std::size_t fewest = std::max<std::size_t>(scaled(params.min_cluster_pixels, inverse), 1);
-  const std::size_t smallest_piece = std::max<std::size_t>(scaled(params.split_min_pixels, inverse), 1);
-  if (params.split && splitter.split(surface, depth.camera, smallest_piece, params, components)) components.sort();
-  const std::size_t smallest_joined = std::max<std::size_t>(fewest / 5, 1);
-  if (params.join && joiner.join(surface, depth.camera, smallest_joined, components)) components.sort();
-  const auto most = std::min(static_cast<std::size_t>(std::max(params.max_clusters, 1)), kMostClusters);
-  for (std::size_t part = 0; part < components.parts(); ++part) {
-    const Span<const std::uint32_t> pixels = components.pixelsOf(part);
-    if (pixels.size < fewest) {
-      drop(DropReason::TooFewPoints);
-    } else if (shareInside_percent(pixels, params.outline_margin_mm * 1000) < kOnTheTable_percent) {
-      drop(DropReason::OutsideOutline);
-    } else {
-      keep(pixels, most);
-    }
-  }
-  for (std::size_t i = 0; i < clusters.size(); ++i) {
-    clusters[i].id = static_cast<int>(i) + 1;
-    measure(clusters[i], params);
+  const Surface surface{inverse, sums, rays, plan, plan_rays, scene.table.distance_m};
+  findParts(surface, depth.camera, params);
+  takeClusters(surface, params);
+  std::sort(clusters.begin(), clusters.end(),
+            [](const Cluster& a, const Cluster& b) { return a.pixels[0] < b.pixels[0]; });
+  for (Cluster& cluster : clusters) {
+    cluster.id = static_cast<int>(&cluster - clusters.data()) + 1;
+    boxes.fit(surface, cluster);
   }
 }
 

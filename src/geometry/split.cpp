@@ -2,6 +2,7 @@
 #include "split.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 
@@ -30,54 +31,37 @@ void Splitter::reserve(int width_px, int height_px) {
   cells_.reserve(most);
   normals_.reserve(most);
   queue_.reserve(most);
-  piece_of_pixel_.reserve(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px));
+  cuts_.reserve(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px));
 }
 
-/// visit(pixel, index of its cell) in the order of the pixels, which are ascending.
-template <typename Visit>
-void Splitter::visitPixels(int width_px, Span<const std::uint32_t> pixels, Visit visit) const {
-  const auto width = static_cast<std::uint32_t>(width_px);
-  std::uint32_t row_begin = 0, row_end = 0;
-  std::size_t row_cells = 0;
-  for (const std::uint32_t pixel : pixels) {
-    if (pixel >= row_end) {
-      row_begin = pixel - pixel % width;
-      row_end = row_begin + width;
-      row_cells = static_cast<std::size_t>((static_cast<int>(pixel / width) >> shift_) - top_) * columns_;
-    }
-    const int column = static_cast<int>(pixel - row_begin) >> shift_;
-    visit(pixel, row_cells + static_cast<std::size_t>(column - left_));
-  }
-}
-
-void Splitter::takeCells(const InverseDepth& inverse, Span<const std::uint32_t> pixels) {
-  const PixelBox box = pixelBoxOf(pixels, inverse.width_px);
+void Splitter::takeCells(const InverseDepth& inverse, Span<const Run> runs) {
+  const PixelBox box = pixelBoxOf(runs, inverse.width_px);
   left_ = (box.x >> shift_) - 1;
   top_ = (box.y >> shift_) - 1;
   columns_ = static_cast<std::size_t>(((box.x + box.width - 1) >> shift_) - left_ + 2);
   const auto rows = static_cast<std::size_t>(((box.y + box.height - 1) >> shift_) - top_ + 2);
   cells_.assign(columns_ * rows, Cell{});
-  visitPixels(inverse.width_px, pixels, [&](std::uint32_t pixel, std::size_t cell) {
-    cells_[cell].inverse += inverse.values[pixel] >> (2 * shift_);
-    ++cells_[cell].pixels;
-  });
+  const auto width = static_cast<std::uint32_t>(inverse.width_px);
+  for (const Run& run : runs) {
+    const std::uint32_t row_px = run.begin / width;
+    Cell* cells = cells_.data() + rowOf(row_px);
+    for (std::uint32_t pixel = run.begin; pixel < run.end; ++pixel) {
+      Cell& cell = cells[(static_cast<int>(pixel - row_px * width) >> shift_) - left_];
+      cell.inverse += inverse.values[pixel] >> (2 * shift_);
+      ++cell.pixels;
+    }
+  }
   const int all = 1 << (2 * shift_);
   for (Cell& cell : cells_) {
     if (cell.pixels > 0 && cell.pixels != all) cell.inverse = cell.inverse / cell.pixels * all;
   }
 }
 
-/// |1/a - 1/b| < step, multiplied out; false if one of them is 0.
-bool Splitter::linked(std::int32_t a, std::int32_t b) const {
-  const auto from = static_cast<float>(a), to = static_cast<float>(b);
-  return std::abs(from - to) < step_ * from * to;
-}
-
 void Splitter::linkCells() {
   for (std::size_t i = columns_; i + columns_ < cells_.size(); ++i) {
     Cell& cell = cells_[i];
-    if (linked(cells_[i - 1].inverse, cell.inverse)) cell.left = longer(cells_[i - 1].left);
-    if (linked(cells_[i - columns_].inverse, cell.inverse)) cell.up = longer(cells_[i - columns_].up);
+    if (step_.within(cells_[i - 1].inverse, cell.inverse)) cell.left = longer(cells_[i - 1].left);
+    if (step_.within(cells_[i - columns_].inverse, cell.inverse)) cell.up = longer(cells_[i - columns_].up);
   }
   for (std::size_t i = cells_.size() - columns_; i-- > columns_;) {
     Cell& cell = cells_[i];
@@ -233,27 +217,41 @@ std::size_t Splitter::nearestCell(std::size_t cell, std::int32_t inverse) const 
   return nearest;
 }
 
-/// What no piece has grown to goes with the pixel before it.
-Span<const std::uint8_t> Splitter::piecesOf(const InverseDepth& inverse, Span<const std::uint32_t> pixels) {
-  piece_of_pixel_.clear();
-  std::uint8_t last = 1;
-  visitPixels(inverse.width_px, pixels, [&](std::uint32_t pixel, std::size_t cell) {
-    const std::int32_t value = inverse.values[pixel];
-    const std::size_t own = linked(value, cells_[cell].inverse) ? cell : nearestCell(cell, value);
-    if (cells_[own].piece != 0) last = joined_[cells_[own].piece];
-    piece_of_pixel_.push_back(last);
-  });
-  return {piece_of_pixel_.data(), piece_of_pixel_.size()};
+/// Cuts the runs where the piece changes; the number of pieces. What no piece has grown to goes with the pixel before.
+std::size_t Splitter::cutRuns(const InverseDepth& inverse, Span<const Run> runs) {
+  std::array<std::uint8_t, kMostPieces + 1> number{};  // from 1, in the order of the first pixels
+  std::uint8_t count = 0, last = 1;
+  const auto width = static_cast<std::uint32_t>(inverse.width_px);
+  cuts_.clear();
+  for (const Run& run : runs) {
+    const std::uint32_t row_px = run.begin / width;
+    const std::size_t cells = rowOf(row_px);
+    for (std::uint32_t pixel = run.begin; pixel < run.end; ++pixel) {
+      const std::size_t cell =
+          cells + static_cast<std::size_t>((static_cast<int>(pixel - row_px * width) >> shift_) - left_);
+      const std::int32_t value = inverse.values[pixel];
+      const std::size_t own = step_.within(value, cells_[cell].inverse) ? cell : nearestCell(cell, value);
+      if (cells_[own].piece != 0) last = joined_[cells_[own].piece];
+      if (number[last] == 0) number[last] = ++count;
+      const auto piece = static_cast<std::uint8_t>(number[last] - 1);
+      if (pixel > run.begin && cuts_.back().piece == piece) {
+        ++cuts_.back().run.end;
+      } else {
+        cuts_.push_back({{pixel, pixel + 1}, piece});
+      }
+    }
+  }
+  return count;
 }
 
-bool Splitter::split(const Surface& surface, const Camera& camera, std::size_t fewest, const SegmentParams& params,
+void Splitter::split(const Surface& surface, const Camera& camera, std::size_t fewest, const SegmentParams& params,
                      Components& components) {
-  bool any = false;
-  step_ = static_cast<float>(params.split_step_mm * 1000 / kUnitsTimesUm);
-  for (std::size_t part = 0; part < components.parts(); ++part) {
-    const Span<const std::uint32_t> pixels = components.pixelsOf(part);
-    if (pixels.size < 2 * fewest) continue;
-    takeCells(surface.inverse, pixels);
+  step_ = DepthStep(params.split_step_mm);
+  const std::size_t parts = components.parts();
+  for (std::size_t part = 0; part < parts; ++part) {
+    if (components.pixelsIn(part) < 2 * fewest) continue;
+    const Span<const Run> runs = components.runsOf(part);
+    takeCells(surface.inverse, runs);
     linkCells();
     orientCells(camera);
     markCreases(params.split_angle_deg);
@@ -261,10 +259,9 @@ bool Splitter::split(const Surface& surface, const Camera& camera, std::size_t f
     if (count < 2) continue;
     growPieces();
     if (rejoin(count, params.split_share_percent) < 2) continue;
-    components.splitPart(part, piecesOf(surface.inverse, pixels));
-    any = true;
+    const std::size_t pieces = cutRuns(surface.inverse, runs);
+    components.cut(part, {cuts_.data(), cuts_.size()}, pieces);
   }
-  return any;
 }
 
 }  // namespace voxid

@@ -17,8 +17,8 @@ class Splitter {
   Splitter();
   void reserve(int width_px, int height_px);
 
-  /// Makes several parts of each that creases divide into pieces of at least `fewest` pixels; true if any.
-  bool split(const Surface& surface, const Camera& camera, std::size_t fewest, const SegmentParams& params,
+  /// Makes several parts of each that creases divide into pieces of at least `fewest` pixels.
+  void split(const Surface& surface, const Camera& camera, std::size_t fewest, const SegmentParams& params,
              Components& components);
 
  private:
@@ -39,8 +39,7 @@ class Splitter {
     std::uint32_t cells = 0, creased = 0;
   };
 
-  void takeCells(const InverseDepth& inverse, Span<const std::uint32_t> pixels);
-  bool linked(std::int32_t a, std::int32_t b) const;
+  void takeCells(const InverseDepth& inverse, Span<const Run> runs);
   void linkCells();
   void orientCells(const Camera& camera);
   void markCreases(int angle_deg);
@@ -49,22 +48,23 @@ class Splitter {
   void growPieces();
   void measureBorders(std::uint8_t count);
   int rejoin(std::uint8_t count, int share_percent);
-  Span<const std::uint8_t> piecesOf(const InverseDepth& inverse, Span<const std::uint32_t> pixels);
+  std::size_t cutRuns(const InverseDepth& inverse, Span<const Run> runs);
   std::size_t nearestCell(std::size_t cell, std::int32_t inverse) const;
   bool bends(std::size_t a, std::size_t b, float Normal::*slope, float square_cosine) const;
-  template <typename Visit>
-  void visitPixels(int width_px, Span<const std::uint32_t> pixels, Visit visit) const;
+  std::size_t rowOf(std::uint32_t row_px) const {
+    return static_cast<std::size_t>((static_cast<int>(row_px) >> shift_) - top_) * columns_;
+  }
 
   int shift_ = 1;           ///< a cell is 2^shift_ pixels wide
   int left_ = 0, top_ = 0;  ///< the grid's first cell, one outside the part's box
   std::size_t columns_ = 0;
-  float step_ = 0;  ///< smallest step, of 1 / InverseDepth's units
+  DepthStep step_;
   std::vector<Cell> cells_;
   std::vector<Normal> normals_;
   std::vector<std::uint32_t> queue_;
   std::vector<Border> borders_;
   std::vector<std::uint8_t> joined_;  ///< piece -> piece that it has become part of
-  std::vector<std::uint8_t> piece_of_pixel_;
+  std::vector<Components::Cut> cuts_;
 };
 
 }  // namespace voxid

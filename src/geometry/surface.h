@@ -2,29 +2,51 @@
 // The depth image of a frame with its table, as the steps after the table see it.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "inverse_depth.h"
 #include "plan.h"
 #include "plane.h"
+#include "voxid/core/span.h"
 
 namespace voxid {
+
+/// Pixels side by side in a row: the indices (row * width + column) from begin up to, not including, end.
+struct Run {
+  std::uint32_t begin, end;
+};
 
 struct Surface {
   const InverseDepth& inverse;
   const PlaneSums& table;
   const Rays& rays;
   const Plan& plan;
+  const PlanRays& plan_rays;
   double distance_m;  ///< camera above the table
 
-  int column(std::uint32_t pixel) const {
-    return static_cast<int>(pixel % static_cast<std::uint32_t>(inverse.width_px));
-  }
   int row(std::uint32_t pixel) const { return static_cast<int>(pixel / static_cast<std::uint32_t>(inverse.width_px)); }
 
   /// The pixel must have depth.
   PointUm point(std::uint32_t pixel) const {
-    return rays.point(column(pixel), row(pixel), depthUmOf(inverse.values[pixel]));
+    const int v = row(pixel);
+    return pointAt(static_cast<int>(pixel) - v * inverse.width_px, v, pixel);
+  }
+  PointUm pointAt(int u, int v, std::uint32_t pixel) const {
+    return rays.point(u, v, depthUmOf(inverse.values[pixel]));
+  }
+
+  /// visit(placed, count) for the pixels of the runs, PlanRays::kMost of a row at most at a time.
+  template <typename Visit>
+  void visitPlaced(Run run, Visit visit) const {
+    const int v = row(run.begin), first = static_cast<int>(run.begin) - v * inverse.width_px;
+    const int end = first + static_cast<int>(run.end - run.begin);
+    for (int u = first; u < end; u += PlanRays::kMost) {
+      const int count = std::min(PlanRays::kMost, end - u);
+      PlanRays::Placed placed;
+      plan_rays.place(inverse.row(v) + u, u, v, count, placed);
+      visit(placed, count);
+    }
   }
 };
 
