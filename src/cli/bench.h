@@ -3,11 +3,11 @@
 // less.
 #pragma once
 
-#include <ctime>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "cpu_time.h"
 #include "depth_file.h"
 #include "scene_json.h"
 #include "voxid/core/index.h"
@@ -20,20 +20,6 @@ struct BenchView {
   std::vector<std::uint32_t> pixels;  ///< those with depth
   std::string category;
 };
-
-/// Microseconds of CPU time that the calling thread has used.
-inline double threadUs() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) * 1e6 + static_cast<double>(now.tv_nsec) * 1e-3;
-}
-
-template <typename Work>
-double usOf(Work&& work) {
-  const double start = threadUs();
-  work();
-  return threadUs() - start;
-}
 
 /// So many decimals as a measurement is worth.
 double rounded(double x, int decimals);

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "bench.h"
+#include "compare_codes.h"
 #include "esf.h"
 #include "voxid/core/descriptor.h"
 
@@ -39,15 +40,6 @@ std::vector<Work> workOf(const std::vector<BenchView>& views, std::size_t points
   return some;
 }
 
-std::vector<PointUm> pointsOf(const DepthView& depth, const Pixels& pixels) {
-  std::vector<PointUm> points;
-  for (const std::uint32_t pixel : pixels) {
-    const int u = static_cast<int>(pixel) % depth.width_px, v = static_cast<int>(pixel) / depth.width_px;
-    points.push_back(backProject(depth.camera, u, v, depth.depthUm(u, v)));
-  }
-  return points;
-}
-
 struct Times {
   std::vector<double> ours_us, esf_us, points;
 };
@@ -57,7 +49,7 @@ Times timesOf(const std::vector<Work>& work, Describer& describer, Esf& esf) {
   Times times;
   for (const Work& w : work) {
     const DepthView depth = w.view->file.view();
-    const std::vector<PointUm> points = pointsOf(depth, w.pixels);
+    const std::vector<PointUm> points = pointsOf(depth, {w.pixels.data(), w.pixels.size()});
     if (!esf.accept({points.data(), points.size()})) continue;
     for (int i = 0; i < kRepetitions; ++i) {
       times.ours_us.push_back(usOf([&] { describer.describe(depth, {w.pixels.data(), w.pixels.size()}); }));

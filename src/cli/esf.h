@@ -31,7 +31,7 @@ class Esf {
   std::unique_ptr<Estimation> estimation_;
 };
 
-/// Sum of absolute differences.
+/// Sum of absolute differences; `bins` is a multiple of 8.
 float l1OfFloats(const float* a, const float* b, int bins);
 
 }  // namespace voxid::cli

@@ -2,6 +2,7 @@
 #include "evaluation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <opencv2/imgproc.hpp>
@@ -38,8 +39,14 @@ double meanOfShares(const std::vector<Tally>& tallies) {
   return sum / static_cast<double>(tallies.size());
 }
 
-/// Views of one model are not independent, so whole models are drawn.
-std::vector<double> resampledTop1(const std::vector<Tally>& models) {
+std::string modelOf(const Query& query) { return query.category + "/" + query.model; }
+
+struct Interval {
+  double low, high;
+};
+
+/// 95 % of the resampled right / all. Views of one model are not independent, so whole models are drawn.
+Interval resampled(const std::vector<Tally>& models) {
   constexpr int kResamplings = 2000;
   std::mt19937_64 generator(1);
   std::vector<double> shares;
@@ -53,7 +60,7 @@ std::vector<double> resampledTop1(const std::vector<Tally>& models) {
     shares.push_back(percent(sum.right, sum.all));
   }
   std::sort(shares.begin(), shares.end());
-  return shares;
+  return {shares[shares.size() / 40], shares[shares.size() - 1 - shares.size() / 40]};
 }
 
 using Counts = std::map<std::pair<std::string, std::string>, int>;
@@ -106,16 +113,54 @@ Figures figuresOf(const std::vector<Query>& queries, const std::vector<Outcome>&
     seconds += outcomes[i].seconds;
   }
   const auto by_category = tallyBy(queries, outcomes, [](const Query& q) { return q.category; });
-  const auto by_model = tallyBy(queries, outcomes, [](const Query& q) { return q.category + "/" + q.model; });
-  const std::vector<double> resampled = resampledTop1(by_model);
+  const Interval interval = resampled(tallyBy(queries, outcomes, modelOf));
   Figures figures;
   figures.top1 = percent(right, total);
   figures.mean_category = meanOfShares(by_category);
   figures.top5 = percent(in_five, total);
-  figures.top1_low = resampled[resampled.size() / 40];
-  figures.top1_high = resampled[resampled.size() - 1 - resampled.size() / 40];
+  figures.top1_low = interval.low;
+  figures.top1_high = interval.high;
   figures.us_per_query = seconds * 1e6 / total;
   return figures;
+}
+
+Outcome outcomeOf(const Index& index, const Answer& answer, const std::string& category) {
+  Outcome outcome;
+  for (int i = 0; i < std::min(answer.count, 5); ++i) {
+    const std::string_view label = index.categoryName(answer.alternatives[static_cast<std::size_t>(i)].category);
+    if (i == 0) outcome.label = std::string(label);
+    outcome.in_five |= label == category;
+  }
+  return outcome;
+}
+
+double rounded(double x) { return std::round(x * 100) / 100; }
+
+Json rowOf(const std::string& descriptor, const char* method, const Figures& figures, double bytes_per_view) {
+  Json row;
+  row["descriptor"] = descriptor;
+  row["method"] = method;
+  row["top1"] = rounded(figures.top1);
+  row["mean_category"] = rounded(figures.mean_category);
+  row["top5"] = rounded(figures.top5);
+  row["us_per_query"] = rounded(figures.us_per_query);
+  row["bytes_per_view"] = rounded(bytes_per_view);
+  row["top1_95"] = Json::array({rounded(figures.top1_low), rounded(figures.top1_high)});
+  return row;
+}
+
+Difference differenceOf(const std::vector<Query>& queries, const std::vector<Outcome>& ours,
+                        const std::vector<Outcome>& theirs) {
+  std::vector<Tally> models = tallyBy(queries, ours, modelOf);
+  const std::vector<Tally> other = tallyBy(queries, theirs, modelOf);
+  Tally all;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    models[i].right -= other[i].right;
+    all.right += models[i].right;
+    all.all += models[i].all;
+  }
+  const Interval interval = resampled(models);
+  return {percent(all.right, all.all), interval.low, interval.high};
 }
 
 cv::Mat drawConfusion(const std::vector<Query>& queries, const std::vector<Outcome>& outcomes) {

@@ -2,11 +2,14 @@
 // What answers to labelled queries amount to.
 #pragma once
 
+#include <array>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
 #include "queries.h"
+#include "scene_json.h"
+#include "voxid/core/classifier.h"
 
 namespace voxid::cli {
 
@@ -16,6 +19,19 @@ struct Outcome {
   bool in_five = false;  ///< the right category is among the first five
   double seconds = 0;    ///< describing, searching and ranking
 };
+
+/// How neighbours become an answer.
+struct Method {
+  const char* name;
+  ClassifyMethod method;
+};
+constexpr std::array<Method, 2> kMethods{{{"1nn", ClassifyMethod::OneNn}, {"vote", ClassifyMethod::Vote}}};
+
+/// Outcomes by method, then by query.
+using Outcomes = std::array<std::vector<Outcome>, kMethods.size()>;
+
+/// The answer held against the right category.
+Outcome outcomeOf(const Index& index, const Answer& answer, const std::string& category);
 
 /// Accuracies in percent.
 struct Figures {
@@ -28,6 +44,20 @@ struct Figures {
 
 /// `outcomes` by query, at least one.
 Figures figuresOf(const std::vector<Query>& queries, const std::vector<Outcome>& outcomes);
+
+/// A row of `voxid eval`.
+Json rowOf(const std::string& descriptor, const char* method, const Figures& figures, double bytes_per_view);
+
+/// top1 of `ours` minus that of `theirs`, in points, with 95 % of it over 2,000 resamplings of the models, both drawn
+/// together.
+struct Difference {
+  double top1 = 0, low = 0, high = 0;
+};
+Difference differenceOf(const std::vector<Query>& queries, const std::vector<Outcome>& ours,
+                        const std::vector<Outcome>& theirs);
+
+/// Two decimals.
+double rounded(double x);
 
 /// Right category a row, answer a column, darker is more (share of the row); categories by name.
 cv::Mat drawConfusion(const std::vector<Query>& queries, const std::vector<Outcome>& outcomes);

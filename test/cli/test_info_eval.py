@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import pathlib
+import shutil
 
 import cv2
 import pytest
@@ -89,3 +90,58 @@ def test_the_real_queries(voxid, index):
         pytest.skip("../shared/data/queries/dev is not there")
     result = voxid("eval", "--index", index, "--queries", folder, "--every", 100, "--json").json
     assert result["queries"] == 14
+
+
+@pytest.fixture(scope="module")
+def comparison(voxid, index, queries, models):
+    return voxid("eval", "--index", index, "--queries", queries, "--compare", "--models", models, "--every", 8, "--jobs", 2, "--json").json
+
+
+def test_compare_has_a_row_a_descriptor_and_method(comparison):
+    assert (comparison["queries"], comparison["views"], comparison["every"]) == (6, 70, 8)
+    names = [(row["descriptor"], row["method"]) for row in comparison["rows"]]
+    assert len(set(names)) == len(names)
+    assert {(d, m) for d in ("esf", "d2", "paper_float", "paper") for m in ("1nn", "vote")} <= set(names)
+    for row in comparison["rows"]:
+        assert 0 <= row["mean_category"] <= 100 and row["top1"] <= row["top5"] <= 100
+        assert row["us_per_query"] > 0
+        if row["descriptor"] == "esf":
+            assert row["bytes_per_view"] == 2560 and row["minus_esf"] is None
+        else:
+            low, high = row["minus_esf_95"]
+            assert low <= row["minus_esf"] <= high
+
+
+def test_differences_are_those_of_the_rows(comparison):
+    top1 = {(row["descriptor"], row["method"]): row["top1"] for row in comparison["rows"]}
+    for row in comparison["rows"]:
+        if row["minus_esf"] is not None:
+            assert row["minus_esf"] == pytest.approx(row["top1"] - top1["esf", row["method"]], abs=0.02)
+
+
+def test_the_papers_row_is_what_the_index_says(voxid, models, queries, comparison, tmp_path):
+    """The same views from `build` and from `--compare` give the same answers."""
+    built = tmp_path / "every8.vxi"
+    assert voxid("build", "--models", models, "--out", built, "--views-every", 8).code == 0
+    own = {row["method"]: row for row in voxid("eval", "--index", built, "--queries", queries, "--json").json["rows"]}
+    for row in comparison["rows"]:
+        if row["descriptor"] == "paper":
+            assert all(row[field] == own[row["method"]][field] for field in ("top1", "mean_category", "top5", "top1_95"))
+
+
+def test_floats_hardly_differ_from_bytes(comparison):
+    top1 = {(row["descriptor"], row["method"]): row["top1"] for row in comparison["rows"]}
+    assert top1["paper_float", "1nn"] == pytest.approx(top1["paper", "1nn"], abs=100 / 6 + 0.01)
+
+
+def test_compare_needs_the_models_of_the_index(voxid, index, queries, models, tmp_path):
+    def refused(code, *words, folder=None):
+        more = [] if folder is None else ["--models", folder]
+        voxid("eval", "--index", index, "--queries", queries, "--compare", "--every", 40, *more).refuses(code, *words)
+
+    refused(2, "--models")
+    refused(1, "ball_a", folder=tmp_path)
+    other = tmp_path / "other"
+    shutil.copytree(models, other)
+    shutil.copy(models / "cube" / "cube_b.ply", other / "cube" / "cube_a.ply")
+    refused(1, "cube/cube_a", "looks different", folder=other)

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a view is turned into before it is compared: one class a descriptor.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "voxid/core/depth_view.h"
+#include "voxid/core/index.h"
+#include "voxid/core/span.h"
+
+namespace voxid::cli {
+
+/// A descriptor with its metric.
+class ViewCode {
+ public:
+  ViewCode(std::string code_name, std::size_t code_bytes) : name(std::move(code_name)), bytes(code_bytes) {}
+  virtual ~ViewCode() = default;
+
+  /// Writes `bytes` bytes; false if there is no answer for this view.
+  virtual bool describe(const DepthView& depth, Span<const std::uint32_t> pixels, std::uint8_t* out) = 0;
+  /// Twice as far is twice as large.
+  virtual std::uint32_t distance(const std::uint8_t* a, const std::uint8_t* b) const = 0;
+
+  const std::string name;   ///< as in the rows of `voxid eval --compare`
+  const std::size_t bytes;  ///< a view; a multiple of 4
+};
+
+/// PCL's ESF; D2 alone; the paper's descriptor in bytes and, for what rounding costs, in floats; all by L1. The paper's
+/// is made with the index's parameters.
+std::vector<std::unique_ptr<ViewCode>> comparedCodes(const Index& index);
+
+/// The points of pixels that have depth.
+std::vector<PointUm> pointsOf(const DepthView& depth, Span<const std::uint32_t> pixels);
+
+}  // namespace voxid::cli
