@@ -21,6 +21,8 @@ inline SegmentParams paramsOf(const SegmentationConfig& config) {
   params.max_tilt_deg = config.max_tilt_deg;
   params.min_table_pixels = config.min_table_pixels;
   params.min_height_mm = config.min_height_mm;
+  params.rim = config.rim;
+  params.rim_height_mm = config.rim_height_mm;
   params.max_height_mm = config.max_height_mm;
   params.min_margin_per_km = config.min_margin_per_km;
   params.cluster_gap_mm = config.cluster_gap_mm;

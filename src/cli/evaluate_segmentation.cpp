@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -152,8 +153,19 @@ Result<json> readTruth(const std::filesystem::path& path) {
   return truth;
 }
 
+double timeOf(const DepthView& view, const SegmentParams& params, Segmenter& segmenter) {
+  constexpr int kRepeats = 20;
+  std::vector<double> times_ms;
+  for (int i = 0; i < kRepeats; ++i) {
+    const std::clock_t start = std::clock();
+    segmenter.segment(view, params);
+    times_ms.push_back(static_cast<double>(std::clock() - start) * 1e3 / CLOCKS_PER_SEC);
+  }
+  return medianOf(times_ms);
+}
+
 Status addFile(const std::filesystem::path& folder, const std::string& name, const json& truth,
-               const SegmentParams& params, Segmenter& segmenter, SegmentationScore& score) {
+               const SegmentParams& params, bool timing, Segmenter& segmenter, SegmentationScore& score) {
   const Result<DepthFile> depth = readDepthFile((folder / (name + "_depth.png")).string(), CameraChoice{});
   if (!depth.ok()) return depth.status;
   const std::string labels_path = (folder / (name + "_labels.png")).string();
@@ -162,6 +174,7 @@ Status addFile(const std::filesystem::path& folder, const std::string& name, con
     return Status::cannotDo(labels_path + ": expected a 16-bit image of the depth image's size");
   }
   const DepthView view = depth.value.view();
+  if (timing) score.segment_ms.push_back(timeOf(view, params, segmenter));
   addScene(name, segmenter.segment(view, params), labels, view, truth, score);
   return {};
 }
@@ -196,13 +209,13 @@ void addScene(const std::string& name, const Scene& scene, const cv::Mat& labels
   }
 }
 
-Result<SegmentationScore> evaluateFolder(const std::string& folder, const SegmentParams& params) {
+Result<SegmentationScore> evaluateFolder(const std::string& folder, const SegmentParams& params, bool timing) {
   const Result<json> truth = readTruth(std::filesystem::path(folder) / "objects.json");
   if (!truth.ok()) return truth.status;
   SegmentationScore score;
   Segmenter segmenter;
   for (const auto& [name, scene] : truth.value.items()) {
-    const Status status = addFile(folder, name, scene, params, segmenter, score);
+    const Status status = addFile(folder, name, scene, params, timing, segmenter, score);
     if (!status.ok()) return status;
   }
   return score;
@@ -229,6 +242,10 @@ nlohmann::ordered_json toJson(const SegmentationScore& s) {
   j["f_os"] = rounded(s.fOs());
   j["f_us"] = rounded(s.fUs());
   j["table_clusters"] = s.table_clusters;
+  if (!s.segment_ms.empty()) {
+    j["segment_ms_median"] = rounded(medianOf(s.segment_ms));
+    j["segment_ms_worst"] = rounded(largestOf(s.segment_ms));
+  }
   j["alone_wrong"] = s.wrong;
   return j;
 }
@@ -250,6 +267,11 @@ std::string toTable(const SegmentationScore& s) {
                 medianOf(s.plane_error_deg), largestOf(s.plane_error_deg), s.right, s.objects, s.alone_right, s.alone,
                 s.whole_right, s.whole, s.dense_right, s.dense, s.over, s.under, s.fOs(), s.fUs(), s.table_clusters);
   std::string table = text;
+  if (!s.segment_ms.empty()) {
+    std::snprintf(text, sizeof text, "median (worst) scene         %.2f ms (%.2f)\n", medianOf(s.segment_ms),
+                  largestOf(s.segment_ms));
+    table += text;
+  }
   for (const std::string& object : s.wrong) table += "alone and wrong: " + object + "\n";
   return table;
 }

@@ -26,6 +26,7 @@ struct SegmentationScore {
   int table_clusters = 0;          ///< clusters that are mostly bare table
   std::int64_t object_points = 0, missed_points = 0, foreign_points = 0;
   std::vector<double> plane_error_mm, plane_error_deg;  ///< against least squares through the labelled table points
+  std::vector<double> segment_ms;                       ///< processor time, each scene's median; empty if not asked for
   std::vector<std::string> wrong;                       ///< "scene id" of objects that stand alone and are not right
 
   double fOs() const;  ///< share of the objects' points outside their best clusters
@@ -36,8 +37,8 @@ struct SegmentationScore {
 void addScene(const std::string& name, const Scene& scene, const cv::Mat& labels, const DepthView& depth,
               const nlohmann::json& truth, SegmentationScore& score);
 
-/// Segments every scene that DIR/objects.json names.
-Result<SegmentationScore> evaluateFolder(const std::string& folder, const SegmentParams& params);
+/// Segments every scene that DIR/objects.json names; `timing`: 20 times, for the time.
+Result<SegmentationScore> evaluateFolder(const std::string& folder, const SegmentParams& params, bool timing);
 
 nlohmann::ordered_json toJson(const SegmentationScore& score);
 std::string toTable(const SegmentationScore& score);

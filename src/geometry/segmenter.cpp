@@ -10,6 +10,7 @@
 #include "join.h"
 #include "plan.h"
 #include "plane.h"
+#include "rim.h"
 #include "split.h"
 
 namespace voxid {
@@ -47,6 +48,7 @@ struct Segmenter::Workspace {
   Components components;
   Splitter splitter;
   Joiner joiner;
+  RimGrower rim;
   BoxFitter boxes;
   std::vector<std::uint32_t> pixels;  ///< of the clusters
   std::vector<Cluster> clusters;
@@ -75,6 +77,7 @@ void Segmenter::Workspace::reserve(int width_px, int height_px) {
   components.reserve(count, width_px);
   splitter.reserve(width_px, height_px);
   joiner.reserve(count);
+  rim.reserve(count, width_px, height_px);
   boxes.reserve(count);
   pixels.reserve(count);
   clusters.reserve(kMostClusters);
@@ -184,6 +187,7 @@ void Segmenter::Workspace::findClusters(const DepthView& depth, const SegmentPar
   takeClusters(surface, params);
   std::sort(clusters.begin(), clusters.end(),
             [](const Cluster& a, const Cluster& b) { return a.pixels[0] < b.pixels[0]; });
+  if (params.rim) rim.grow(surface, params, clusters);
   for (Cluster& cluster : clusters) {
     cluster.id = static_cast<int>(&cluster - clusters.data()) + 1;
     boxes.fit(surface, cluster);

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "above_table.h"
+
 namespace voxid {
 namespace {
 
@@ -53,6 +55,57 @@ TEST(Plan, MeasuresHeightAboveThePlane) {
   EXPECT_NEAR(plan.project(back).x, 100000, 3);
   EXPECT_NEAR(plan.project(back).y, 200000, 3);
   EXPECT_NEAR(plan.heightUm(back), 50000, 3);
+}
+
+TEST(PlanRays, PlacesAsThePlanDoes) {
+  const Camera camera = Camera::fromPixels(500, 490, 40, 30);
+  Rays rays;
+  rays.fill(camera, 80, 60);
+  Plan plan;
+  plan.set({Eigen::Vector3d(0, -0.6, -0.8), 0.5});
+  PlanRays plan_rays;
+  plan_rays.fill(rays, plan);
+  const std::vector<std::int32_t> inverse(80, static_cast<std::int32_t>(kUnitsTimesUm / 700000));
+  for (const int v : {0, 17, 59}) {
+    PlanRays::Placed placed;
+    plan_rays.place(inverse.data() + 16, 16, v, PlanRays::kMost, placed);
+    for (int i = 0; i < PlanRays::kMost; ++i) {
+      const PointUm p = rays.point(16 + i, v, depthUmOf(inverse[0]));
+      EXPECT_NEAR(placed.x_um[i], plan.project(p).x, 4);
+      EXPECT_NEAR(placed.y_um[i], plan.project(p).y, 4);
+      EXPECT_NEAR(placed.height_um[i], plan.heightUm(p), 4);
+    }
+  }
+}
+
+/// Heights from `distance_m` over pixels with the inverse depths of a table at 250,000 units.
+std::vector<int> statesOf(const std::vector<std::int32_t>& values, double distance_m) {
+  PlaneSums table;
+  table.columns.assign(values.size(), 200000);
+  table.rows.assign(1, 50000);
+  AboveTable above;
+  above.set(table, distance_m, 10, 300, 2);
+  std::vector<std::uint8_t> states(values.size());
+  above.mark(values.data(), 0, static_cast<int>(values.size()), DepthStep(15), states.data());
+  for (std::size_t u = 0; u < values.size(); ++u) {
+    EXPECT_EQ(states[u] > 0, above.contains(values[u], static_cast<int>(u), 0)) << u;
+  }
+  return {states.begin(), states.end()};
+}
+
+TEST(AboveTable, ComparesHeights) {
+  // A height of 10 mm at 500 mm is 1 / 0.98 of the table's inverse depth, 300 mm is 1 / 0.4.
+  EXPECT_EQ(statesOf({0, 250000, 255000, 255200, 624000, 626000, 240000}, 0.5),
+            (std::vector<int>{0, 0, 0, 1, 1, 0, 0}));
+  EXPECT_EQ(statesOf({0, 250000, 260000, 5000000}, 0.2), (std::vector<int>{0, 0, 0, 1}));
+}
+
+TEST(AboveTable, LinksNeighboursAtOneDepthAcrossBlocks) {
+  std::vector<std::int32_t> values(70, 300000);  // 853 mm; 15 mm nearer is 305,400
+  values[40] = 310000;
+  std::vector<int> expected(70, 2);
+  expected[0] = expected[40] = expected[41] = 1;
+  EXPECT_EQ(statesOf(values, 0.5), expected);
 }
 
 }  // namespace

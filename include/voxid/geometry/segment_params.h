@@ -19,11 +19,15 @@ struct SegmentParams {
   /// A plane with fewer pixels (scaled to 640 x 480) is no table. [100 to 200000]
   int min_table_pixels = 8000;
   /// Points at least this far above the plane belong to objects. Lower finds flatter things, and below 5 bare table. [2 to 100]
-  int min_height_mm = 8;
+  int min_height_mm = 6;
+  /// Give an object the low points around it: its lower rim, and the rest of a flat thing.
+  bool rim = true;
+  /// Points this far above the plane are taken next to an object. Below 4 objects take in table. [1 to 100]
+  int rim_height_mm = 4;
   /// Points higher than this above the plane are ignored. [20 to 2000]
   int max_height_mm = 500;
   /// Object points also differ from the plane by this in inverse depth (1/km): the distance-dependent part of the sensor's noise. [0 to 100]
-  int min_margin_per_km = 6;
+  int min_margin_per_km = 10;
   /// Neighbouring pixels nearer than this in space belong together. 12 to 20 make no difference; larger joins neighbours. [2 to 100]
   int cluster_gap_mm = 15;
   /// Gaps without depth up to this many pixels along a row or column are bridged. Larger costs time and joins neighbours. [1 to 32]
@@ -58,6 +62,8 @@ void visitParams(SegmentParams& params, Visit visit) {
   visit("max_tilt_deg", params.max_tilt_deg, 10, 180);
   visit("min_table_pixels", params.min_table_pixels, 100, 200000);
   visit("min_height_mm", params.min_height_mm, 2, 100);
+  visit("rim", params.rim, false, true);
+  visit("rim_height_mm", params.rim_height_mm, 1, 100);
   visit("max_height_mm", params.max_height_mm, 20, 2000);
   visit("min_margin_per_km", params.min_margin_per_km, 0, 100);
   visit("cluster_gap_mm", params.cluster_gap_mm, 2, 100);

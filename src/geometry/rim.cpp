@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rim.h"
+
+#include <algorithm>
+
+namespace voxid {
+namespace {
+
+constexpr int kReach_px = 4;              // at 640 columns
+constexpr int kMarginShare_percent = 30;  // of min_margin_per_km
+
+}  // namespace
+
+void RimGrower::reserve(std::size_t pixels, int width_px, int height_px) {
+  low_.reserve(width_px, height_px);
+  taken_.reserve(pixels);
+  added_.reserve(pixels);
+  pixels_.reserve(pixels);
+}
+
+void RimGrower::takeClusters(const std::vector<Cluster>& clusters, std::size_t pixels) {
+  taken_.assign(pixels, 0);
+  for (const Cluster& cluster : clusters) {
+    for (const std::uint32_t pixel : cluster.pixels) taken_[pixel] = 1;
+  }
+}
+
+void RimGrower::visitNeighbours(const Surface& surface, std::uint32_t cluster, std::uint32_t pixel) {
+  const InverseDepth& inverse = surface.inverse;
+  const int width = inverse.width_px, v = surface.row(pixel), u = static_cast<int>(pixel) - v * width;
+  const std::int32_t here = inverse.values[pixel];
+  const auto visit = [&](std::uint32_t next, int next_u, int next_v) {
+    const std::int32_t value = inverse.values[next];
+    if (taken_[next] || !low_.contains(value, next_u, next_v) || !gap_.within(here, value)) return;
+    taken_[next] = 1;
+    added_.push_back({cluster, next});
+  };
+  if (u > 0) visit(pixel - 1, u - 1, v);
+  if (u + 1 < width) visit(pixel + 1, u + 1, v);
+  if (v > 0) visit(pixel - static_cast<std::uint32_t>(width), u, v - 1);
+  if (v + 1 < inverse.height_px) visit(pixel + static_cast<std::uint32_t>(width), u, v + 1);
+}
+
+/// Both lists ascend within a cluster.
+void RimGrower::merge(std::vector<Cluster>& clusters) {
+  std::sort(added_.begin(), added_.end(), [](const Added& a, const Added& b) {
+    return a.cluster != b.cluster ? a.cluster < b.cluster : a.pixel < b.pixel;
+  });
+  pixels_.clear();
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < clusters.size(); ++i) {
+    const std::size_t first = pixels_.size();
+    const auto takeBefore = [&](std::uint32_t pixel) {
+      for (; next < added_.size() && added_[next].cluster == i && added_[next].pixel < pixel; ++next) {
+        pixels_.push_back(added_[next].pixel);
+      }
+    };
+    for (const std::uint32_t pixel : clusters[i].pixels) {
+      takeBefore(pixel);
+      pixels_.push_back(pixel);
+    }
+    takeBefore(0xffffffff);
+    clusters[i].pixels = {pixels_.data() + first, pixels_.size() - first};
+  }
+}
+
+void RimGrower::grow(const Surface& surface, const SegmentParams& params, std::vector<Cluster>& clusters) {
+  gap_ = DepthStep(params.cluster_gap_mm);
+  low_.set(surface.table, surface.distance_m, params.rim_height_mm, params.max_height_mm,
+           params.min_margin_per_km * kMarginShare_percent / 100);
+  takeClusters(clusters, surface.inverse.values.size());
+  added_.clear();
+  for (std::uint32_t i = 0; i < clusters.size(); ++i) {
+    for (const std::uint32_t pixel : clusters[i].pixels) visitNeighbours(surface, i, pixel);
+  }
+  std::size_t first = 0;
+  for (int ring = 1; ring < std::max(1, kReach_px * surface.inverse.width_px / 640); ++ring) {
+    const std::size_t end = added_.size();
+    for (; first < end; ++first) visitNeighbours(surface, added_[first].cluster, added_[first].pixel);
+  }
+  merge(clusters);
+}
+
+}  // namespace voxid
