@@ -13,15 +13,13 @@ namespace {
 /// All queries by one descriptor.
 class Comparison {
  public:
-  Comparison(const Index& index, const std::vector<std::uint32_t>& views, const CodeTable& table, ViewCode& code,
-             std::size_t queries)
-      : index_(index), views_(views), table_(table), code_(code), nearest_(index), bytes_(code.bytes) {
+  Comparison(const Index& index, CodeSearch search, std::size_t queries) : index_(index), search_(std::move(search)) {
     for (auto& outcomes : outcomes_) outcomes.resize(queries);
   }
 
   void answer(std::size_t number, const Query& query, const DepthView& depth, Span<const std::uint32_t> pixels) {
     const Nearest* found = nullptr;
-    const double search_us = usOf([&] { found = find(depth, pixels); });
+    const double search_us = usOf([&] { found = search_.find(depth, pixels); });
     for (std::size_t m = 0; m < kMethods.size(); ++m) {
       Answer answer;
       const double rank_us = usOf([&] {
@@ -32,25 +30,12 @@ class Comparison {
     }
   }
 
-  const ViewCode& code() const { return code_; }
+  const ViewCode& code() const { return search_.code(); }
   const Outcomes& outcomes() const { return outcomes_; }
 
  private:
-  const Nearest* find(const DepthView& depth, Span<const std::uint32_t> pixels) {
-    if (!code_.describe(depth, pixels, bytes_.data())) return nullptr;
-    nearest_.clear();
-    for (std::size_t row = 0; row < views_.size(); ++row) {
-      if (table_.answered.data()[row]) nearest_.add(views_[row], code_.distance(bytes_.data(), table_.code(row)));
-    }
-    return &nearest_.result();
-  }
-
   const Index& index_;
-  const std::vector<std::uint32_t>& views_;
-  const CodeTable& table_;
-  ViewCode& code_;
-  NearestCodes nearest_;
-  std::vector<std::uint8_t> bytes_;
+  CodeSearch search_;
   Outcomes outcomes_;
 };
 
@@ -77,7 +62,8 @@ Result<Json> compareDescriptors(const std::shared_ptr<const Index>& index, const
   const auto codes = comparedCodes(*index);
   std::vector<Comparison> comparisons;
   for (std::size_t i = 0; i < codes.size(); ++i) {
-    comparisons.emplace_back(*index, compared.value.views, *compared.value.tables[i], *codes[i], queries.size());
+    CodeSearch search(*index, *codes[i], compared.value.views, compared.value.codesOf(i));
+    comparisons.emplace_back(*index, std::move(search), queries.size());
   }
   for (std::size_t number = 0; number < queries.size(); ++number) {
     const auto file = readDepthFile(queries[number].path, camera);

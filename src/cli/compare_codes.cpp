@@ -111,6 +111,8 @@ std::vector<std::unique_ptr<ViewCode>> comparedCodes(const Index& index) {
   return codes;
 }
 
+std::unique_ptr<ViewCode> ownCode(const Index& index) { return std::make_unique<PaperCode>(index.descriptorParams()); }
+
 std::vector<PointUm> pointsOf(const DepthView& depth, Span<const std::uint32_t> pixels) {
   std::vector<PointUm> points;
   for (const std::uint32_t pixel : pixels) {

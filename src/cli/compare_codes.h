@@ -31,6 +31,9 @@ class ViewCode {
 /// is made with the index's parameters.
 std::vector<std::unique_ptr<ViewCode>> comparedCodes(const Index& index);
 
+/// The descriptor that the index was made with: describes as its views were, compares as its search does.
+std::unique_ptr<ViewCode> ownCode(const Index& index);
+
 /// The points of pixels that have depth.
 std::vector<PointUm> pointsOf(const DepthView& depth, Span<const std::uint32_t> pixels);
 

@@ -8,7 +8,6 @@
 #include <cstring>
 #include <filesystem>
 
-#include "voxid/core/descriptor.h"
 #include "voxid/library/mesh_reader.h"
 #include "voxid/library/model_view.h"
 
@@ -56,7 +55,12 @@ std::vector<ModelRows> rowsByModel(const Index& index, const std::vector<std::ui
 class Worker {
  public:
   Worker(const Index& index, const std::string& models, const ComparedViews& out)
-      : index_(index), models_(models), out_(out), codes_(comparedCodes(index)), describer_(index.descriptorParams()) {}
+      : index_(index),
+        models_(models),
+        out_(out),
+        codes_(comparedCodes(index)),
+        own_(ownCode(index)),
+        described_(own_->bytes) {}
 
   Status describe(const ModelRows& rows) {
     const std::string name = nameOf(index_, rows.model);
@@ -78,8 +82,8 @@ class Worker {
 
  private:
   bool isInIndex(const ModelView& view, std::uint32_t number) {
-    const Described described = describer_.describe(view.image.view(), {view.pixels.data(), view.pixels.size()});
-    return std::memcmp(described.bins.data(), index_.code(number), described.bins.size()) == 0;
+    own_->describe(view.image.view(), {view.pixels.data(), view.pixels.size()}, described_.data());
+    return std::memcmp(described_.data(), index_.code(number), described_.size()) == 0;
   }
 
   Status foreign(const std::string& name, int direction) const {
@@ -100,7 +104,8 @@ class Worker {
   const std::string& models_;
   const ComparedViews& out_;
   std::vector<std::unique_ptr<ViewCode>> codes_;
-  Describer describer_;
+  std::unique_ptr<ViewCode> own_;  // the index's descriptor
+  std::vector<std::uint8_t> described_;
 };
 
 /// Room for a sentence that a process leaves behind.

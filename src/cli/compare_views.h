@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "compare_codes.h"
+#include "nearest_codes.h"
 #include "voxid/core/index.h"
 #include "voxid/core/status.h"
 
@@ -41,6 +42,7 @@ struct CodeTable {
       : bytes(code_bytes), codes(views * code_bytes), answered(views) {}
 
   std::uint8_t* code(std::size_t row) const { return codes.data() + row * bytes; }
+  bool hasAnswer(std::size_t row) const { return answered.data()[row] != 0; }
 
   std::size_t bytes;
   SharedBytes codes, answered;  ///< answered: 1 where the descriptor has an answer
@@ -49,6 +51,12 @@ struct CodeTable {
 struct ComparedViews {
   std::vector<std::uint32_t> views;                ///< numbers in the index, ascending
   std::vector<std::unique_ptr<CodeTable>> tables;  ///< by descriptor
+
+  /// For a search by one of the descriptors; `this` outlives it.
+  CodeSearch::CodeAt codesOf(std::size_t descriptor) const {
+    const CodeTable* const table = tables[descriptor].get();
+    return [table](std::size_t row) { return table->hasAnswer(row) ? table->code(row) : nullptr; };
+  }
 };
 
 /// Renders every view of the index whose direction is a multiple of `every` as the build did, from the meshes in

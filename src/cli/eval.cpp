@@ -7,6 +7,7 @@
 #include "command.h"
 #include "compare.h"
 #include "eval_queries.h"
+#include "eval_scenes.h"
 
 namespace voxid::cli {
 namespace {
@@ -14,6 +15,7 @@ namespace {
 struct Options {
   std::string index, queries, confusion;
   CompareOptions compare;
+  SceneOptions scenes;
   SearchChoice search;
   int every = 1, jobs = 1;
   bool json = false, comparing = false;
@@ -56,16 +58,18 @@ void print(const Options& options, const Json& result) {
   }
 }
 
+CompareOptions compareOptionsOf(const Options& options) {
+  CompareOptions compare = options.compare;
+  compare.every = options.every;
+  compare.jobs = options.jobs;
+  return compare;
+}
+
 Status compare(const Options& options, const std::shared_ptr<const Index>& index) {
-  if (options.compare.models.empty()) {
-    return Status::badUse("--compare needs --models DIR, the folder that the index was made from");
-  }
   const auto queries = readQueries(options.queries, 1);
   if (!queries.ok()) return queries.status;
-  CompareOptions choice = options.compare;
-  choice.every = options.every;
-  choice.jobs = options.jobs;
-  const auto result = compareDescriptors(index, queries.value, cameraOfFolder(options.queries), choice);
+  const auto result =
+      compareDescriptors(index, queries.value, cameraOfFolder(options.queries), compareOptionsOf(options));
   if (result.ok()) print(options, result.value);
   return result.status;
 }
@@ -81,9 +85,35 @@ Status evaluate(const Options& options, const std::shared_ptr<const Index>& inde
   return writeImage(options.confusion, drawConfusion(queries.value, evaluation.value.votes));
 }
 
+Status evaluateReal(const Options& options, const std::shared_ptr<const Index>& index) {
+  SceneOptions scenes = options.scenes;
+  scenes.comparing = options.comparing;
+  scenes.compare = compareOptionsOf(options);
+  const auto result = evaluateScenes(index, scenes);
+  if (!result.ok()) return result.status;
+  if (options.json) {
+    std::cout << lineOf(result.value);
+  } else {
+    printScenes(result.value);
+  }
+  return {};
+}
+
+Status check(const Options& options) {
+  if (options.queries.empty() == options.scenes.folder.empty()) {
+    return Status::badUse("eval needs either --queries DIR or --scenes DIR");
+  }
+  if (options.comparing && options.compare.models.empty()) {
+    return Status::badUse("--compare needs --models DIR, the folder that the index was made from");
+  }
+  return {};
+}
+
 Status run(const Options& options) {
+  if (Status status = check(options); !status.ok()) return status;
   const auto index = Index::open(options.index);
   if (!index.ok()) return index.status;
+  if (!options.scenes.folder.empty()) return evaluateReal(options, index.value);
   return options.comparing ? compare(options, index.value) : evaluate(options, index.value);
 }
 
@@ -94,8 +124,18 @@ Run addEval(CLI::App& app) {
   app.add_option("--index", options->index, "The index (.vxi) to measure")->type_name("FILE")->required();
   app.add_option("--queries", options->queries,
                  "Depth images of one object each, with queries.csv (file,category,model)")
-      ->type_name("DIR")
-      ->required();
+      ->type_name("DIR");
+  CLI::Option* const scenes = app.add_option("--scenes", options->scenes.folder,
+                                             "Real scenes with labels and objects.json, instead of --queries")
+                                  ->type_name("DIR");
+  app.add_option("--categories", options->scenes.categories,
+                 "With --scenes: a file of categories, one a line, that alone may be answers in further rows")
+      ->type_name("FILE")
+      ->needs(scenes);
+  app.add_option("--aliases", options->scenes.aliases,
+                 "With --scenes: a JSON file of what their categories may be called (default: cfg/aliases.json)")
+      ->type_name("FILE")
+      ->needs(scenes);
   app.add_flag("--compare", options->comparing,
                "Descriptors beside one another on the same views; PCL's ESF among them");
   app.add_option("--models", options->compare.models, "With --compare: the folder that the index was made from")

@@ -2,19 +2,35 @@
 #include "nearest_codes.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace voxid::cli {
 
-NearestCodes::NearestCodes(const Index& index) : index_(index) { found_.reserve(index.views().size); }
+CodeSearch::CodeSearch(const Index& index, ViewCode& code, std::vector<std::uint32_t> views, CodeAt code_at)
+    : index_(index), code_(code), views_(std::move(views)), code_at_(std::move(code_at)), query_(code.bytes) {
+  found_.reserve(views_.size());
+}
 
-void NearestCodes::clear() { found_.clear(); }
+const Nearest* CodeSearch::find(const DepthView& depth, Span<const std::uint32_t> pixels,
+                                const AllowedCategories& allowed) {
+  if (!code_.describe(depth, pixels, query_.data())) return nullptr;
+  compareAll(allowed);
+  return &sorted();
+}
 
-void NearestCodes::add(std::uint32_t view, std::uint32_t distance) { found_.push_back({view, distance}); }
+void CodeSearch::compareAll(const AllowedCategories& allowed) {
+  found_.clear();
+  for (std::size_t i = 0; i < views_.size(); ++i) {
+    if (!allowed.empty() && !allowed[categoryOf(views_[i])]) continue;
+    const std::uint8_t* const code = code_at_(i);
+    if (code != nullptr) found_.push_back({views_[i], code_.distance(query_.data(), code)});
+  }
+}
 
-const Nearest& NearestCodes::result() {
+const Nearest& CodeSearch::sorted() {
   std::vector<Neighbour> best(index_.categories().size, Neighbour{Search::kNone, Search::kNone});
   for (const Neighbour& candidate : found_) {
-    Neighbour& nearest = best[index_.models()[index_.views()[candidate.view].model].category];
+    Neighbour& nearest = best[categoryOf(candidate.view)];
     nearest = std::min(nearest, candidate);
   }
   categories_.clear();

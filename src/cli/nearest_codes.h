@@ -1,24 +1,42 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The nearest codes of a table, as the classifier wants them.
+// Exhaustive search over views by any descriptor, among all categories or some.
 #pragma once
 
+#include <functional>
 #include <vector>
 
+#include "compare_codes.h"
 #include "voxid/core/search.h"
 
 namespace voxid::cli {
 
-/// Collects candidates in any order; `result` belongs to it until the next `clear`.
-class NearestCodes {
- public:
-  explicit NearestCodes(const Index& index);
+/// By category of the index: whether it may be an answer. Empty: all may.
+using AllowedCategories = std::vector<bool>;
 
-  void clear();
-  void add(std::uint32_t view, std::uint32_t distance);
-  const Nearest& result();
+class CodeSearch {
+ public:
+  /// The code of the i-th of `views`; null if the descriptor has none for it.
+  using CodeAt = std::function<const std::uint8_t*(std::size_t i)>;
+
+  /// `index` and `code` outlive the search. `views` are numbers of the index.
+  CodeSearch(const Index& index, ViewCode& code, std::vector<std::uint32_t> views, CodeAt code_at);
+
+  /// As the library's exact search finds them, distances as `code` counts them. Null if there is no answer for these
+  /// pixels. Belongs to the search until its next call.
+  const Nearest* find(const DepthView& depth, Span<const std::uint32_t> pixels, const AllowedCategories& allowed = {});
+
+  const ViewCode& code() const { return code_; }
 
  private:
+  std::uint32_t categoryOf(std::uint32_t view) const { return index_.models()[index_.views()[view].model].category; }
+  void compareAll(const AllowedCategories& allowed);
+  const Nearest& sorted();
+
   const Index& index_;
+  ViewCode& code_;
+  std::vector<std::uint32_t> views_;
+  CodeAt code_at_;
+  std::vector<std::uint8_t> query_;
   std::vector<Neighbour> found_, categories_;
   Nearest result_;
 };
