@@ -94,7 +94,7 @@ Contender flannTrees(const Index& index) {
   Contender contender;
   contender.name = "query/flann";
   contender.knob = "checks";
-  contender.settings = {256, 1024, 4096, 16384, 65536};
+  contender.settings = {256, 1024, 4096, 16384};
   contender.bytes_per_view = index.parameters().code_bytes +
                              static_cast<double>(built->trees.usedMemory()) / static_cast<double>(index.views().size);
   contender.prepare = [params](int checks) { params->checks = checks; };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cstring>
+#include <random>
 
 #include "bench.h"
 #include "bench_search.h"
@@ -20,19 +21,12 @@ struct BenchQuery {
   std::vector<Neighbour> exact;  ///< the ten nearest of all views
 };
 
-std::uint64_t splitMix64(std::uint64_t& state) {
-  std::uint64_t z = state += 0x9e3779b97f4a7c15;
-  z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9;
-  z = (z ^ z >> 27) * 0x94d049bb133111eb;
-  return z ^ z >> 31;
-}
-
 /// Rows of 416 bytes that no search can shorten.
 std::vector<std::uint8_t> randomRows(std::size_t rows) {
   std::vector<std::uint8_t> bytes(rows * kDescriptorBytes);
-  std::uint64_t state = 1;
-  for (std::size_t i = 0; i + sizeof state <= bytes.size(); i += sizeof state) {
-    const std::uint64_t number = splitMix64(state);
+  std::mt19937_64 random(1);
+  for (std::size_t i = 0; i + sizeof(std::uint64_t) <= bytes.size(); i += sizeof(std::uint64_t)) {
+    const std::uint64_t number = random();
     std::memcpy(&bytes[i], &number, sizeof number);
   }
   return bytes;
