@@ -256,6 +256,20 @@ void PlaneFinder::takeSamples(const InverseDepth& inverse) {
   }
 }
 
+/// Samples within the limit of the plane normal . (u, v, inverse) = offset; gives up, with fewer, once they cannot
+/// exceed `most`.
+int PlaneFinder::countInliers(const Samples& samples, const Eigen::Vector3d& normal, double offset, double limit,
+                              int most) {
+  constexpr int kChunk = 256;
+  const auto size = static_cast<int>(samples.size());
+  int inliers = 0;
+  for (int first = 0; first < size && inliers + size - first > most; first += kChunk) {
+    inliers += countNear(samples.u.data() + first, samples.v.data() + first, samples.inverse.data() + first,
+                         std::min(kChunk, size - first), normal, offset, limit);
+  }
+  return inliers;
+}
+
 template <typename Accept>
 PlaneFinder::Candidate PlaneFinder::draw(const Samples& samples, const SegmentParams& params, Accept accept) const {
   Candidate best;
@@ -279,8 +293,7 @@ PlaneFinder::Candidate PlaneFinder::draw(const Samples& samples, const SegmentPa
     plane.at_origin = a[2] - plane.per_u * a[0] - plane.per_v * a[1];
     if (!accept(plane)) continue;
     const double offset = n.x() * a[0] + n.y() * a[1] + n.z() * a[2];
-    const int inliers = countNear(samples.u.data(), samples.v.data(), samples.inverse.data(),
-                                  static_cast<int>(samples.size()), n, offset, tolerance * std::abs(n.z()));
+    const int inliers = countInliers(samples, n, offset, tolerance * std::abs(n.z()), best.inliers);
     if (inliers <= best.inliers) continue;
     best = {plane, inliers};
     needed = std::min(needed, std::max(i + 1, drawsFor(inliers, samples.size(), params.plane_draws)));

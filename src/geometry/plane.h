@@ -56,6 +56,7 @@ class PlaneFinder {
   class Draws;
 
   void takeSamples(const InverseDepth& inverse);
+  static int countInliers(const Samples& samples, const Eigen::Vector3d& normal, double offset, double limit, int most);
   template <typename Accept>
   Candidate draw(const Samples& samples, const SegmentParams& params, Accept accept) const;
   Candidate tableAboveFloor(Candidate floor, const Camera& camera, const SegmentParams& params);

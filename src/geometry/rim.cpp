@@ -25,6 +25,13 @@ void RimGrower::takeClusters(const std::vector<Cluster>& clusters, std::size_t p
   }
 }
 
+/// Whether all four neighbours are taken: true for most pixels, and told without their row and column.
+bool RimGrower::surrounded(std::uint32_t pixel, std::uint32_t width) const {
+  if (pixel < width || pixel + width >= taken_.size()) return false;
+  const std::uint8_t* here = taken_.data() + pixel;
+  return (here[-1] & here[1] & *(here - width) & here[width]) != 0;
+}
+
 void RimGrower::visitNeighbours(const Surface& surface, std::uint32_t cluster, std::uint32_t pixel) {
   const InverseDepth& inverse = surface.inverse;
   const int width = inverse.width_px, v = surface.row(pixel), u = static_cast<int>(pixel) - v * width;
@@ -71,7 +78,9 @@ void RimGrower::grow(const Surface& surface, const SegmentParams& params, std::v
   takeClusters(clusters, surface.inverse.values.size());
   added_.clear();
   for (std::uint32_t i = 0; i < clusters.size(); ++i) {
-    for (const std::uint32_t pixel : clusters[i].pixels) visitNeighbours(surface, i, pixel);
+    for (const std::uint32_t pixel : clusters[i].pixels) {
+      if (!surrounded(pixel, static_cast<std::uint32_t>(surface.inverse.width_px))) visitNeighbours(surface, i, pixel);
+    }
   }
   std::size_t first = 0;
   for (int ring = 1; ring < std::max(1, kReach_px * surface.inverse.width_px / 640); ++ring) {

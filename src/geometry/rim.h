@@ -26,6 +26,7 @@ class RimGrower {
   };
 
   void takeClusters(const std::vector<Cluster>& clusters, std::size_t pixels);
+  bool surrounded(std::uint32_t pixel, std::uint32_t width) const;
   void visitNeighbours(const Surface& surface, std::uint32_t cluster, std::uint32_t pixel);
   void merge(std::vector<Cluster>& clusters);
 

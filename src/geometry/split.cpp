@@ -114,6 +114,7 @@ void Splitter::markCreases(int angle_deg) {
   const float square_cosine = cosine * cosine;
   for (std::size_t i = columns_; i + columns_ < cells_.size(); ++i) {
     Cell& cell = cells_[i];
+    if (cell.inverse == 0) continue;
     const std::size_t left = std::min<std::size_t>(cell.left, kAcross),
                       right = std::min<std::size_t>(cell.right, kAcross);
     const std::size_t up = std::min<std::size_t>(cell.up, kAcross), down = std::min<std::size_t>(cell.down, kAcross);
