@@ -5,83 +5,29 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "even_choice.h"
+#include "normaliser.h"
 #include "pair_sampler.h"
 #include "voxid/core/trace.h"
 
 namespace voxid {
 namespace {
 
-constexpr std::uint32_t kMaxPoints = 65536;
 constexpr int kFineBins = 128, kCoarseBins = 32, kKindBins = 64, kRatioBins = 64;
 constexpr int kKinds = 3;
 
-// ---- where the points are --------------------------------------------------------------------------------------
-
-struct Box {
-  PointUm least, most;
-};
-
-Box boxOf(Span<const PointUm> points) {
-  Box box{points[0], points[0]};
-  for (const PointUm& p : points) {
-    box.least = {std::min(box.least.x, p.x), std::min(box.least.y, p.y), std::min(box.least.z, p.z)};
-    box.most = {std::max(box.most.x, p.x), std::max(box.most.y, p.y), std::max(box.most.z, p.z)};
-  }
-  return box;
-}
-
-struct Vector {
-  std::int64_t x = 0, y = 0, z = 0;
-};
-
-std::int64_t squaredNorm(Vector v) { return v.x * v.x + v.y * v.y + v.z * v.z; }
-
-// Coordinates from the box's corner, shifted so that the largest extent lies in [2^19, 2^20): every later product is
-// bounded whatever the input, and a cloud twice as large gives the same numbers.
-class Frame {
- public:
-  explicit Frame(const Box& box) : corner_{box.least.x, box.least.y, box.least.z} {
-    const Vector e = relative(box.most);
-    for (std::int64_t largest = std::max({e.x, e.y, e.z}); largest >= kExtent; largest >>= 1) ++right_;
-    for (std::int64_t largest = std::max({e.x, e.y, e.z}); largest < kExtent / 2; largest <<= 1) ++left_;
-  }
-
-  Vector of(const PointUm& p) const {
-    const Vector r = relative(p);
-    return {r.x << left_ >> right_, r.y << left_ >> right_, r.z << left_ >> right_};
-  }
-
- private:
-  static constexpr std::int64_t kExtent = 1 << 20;
-
-  Vector relative(const PointUm& p) const { return {p.x - corner_.x, p.y - corner_.y, p.z - corner_.z}; }
-
-  Vector corner_;
-  int left_ = 0, right_ = 0;
-};
-
 // ---- from a frame's coordinates to distances and to cells ------------------------------------------------------
 
-std::uint64_t squareRoot(std::uint64_t n) {
-  std::uint64_t root = 0;
-  for (std::uint64_t bit = std::uint64_t{1} << 31; bit != 0; bit >>= 1) {
-    if ((root | bit) * (root | bit) <= n) root |= bit;
-  }
-  return root;
-}
-
-// Distances in units of the normaliser D / 4096, D = 3.4 root mean square distances from the centroid, some 2.6 mean
-// distances between points. Coordinates are clamped at 4 D from the centroid, where at most one point in 185 can lie.
+// Distances in units of the normaliser, D / 4096. Coordinates are clamped at 4 D from the centroid, where at most one
+// point in 185 can lie.
 class DistanceScale {
  public:
   static constexpr std::int64_t kUnits = 4096;
   static constexpr std::int64_t kClamp = 4 * kUnits;
 
-  DistanceScale(Vector centroid, std::uint64_t mean_square) : centroid_(centroid) {
-    constexpr std::uint64_t kFactorSquaredPercent = 1156;
-    const std::uint64_t d = squareRoot(mean_square * kFactorSquaredPercent / 100);
-    scale_ = static_cast<std::int64_t>((static_cast<std::uint64_t>(kUnits) << kShift) / d);
-  }
+  explicit DistanceScale(const Normaliser& n)
+      : centroid_(n.centroid), scale_(static_cast<std::int64_t>((std::uint64_t{kUnits} << kShift) / n.d)) {}
+
   std::int16_t along(std::int64_t p, std::int64_t centre) const {
     const std::int64_t units = ((p - centre) * scale_ + (std::int64_t{1} << (kShift - 1))) >> kShift;
     return static_cast<std::int16_t>(std::min(std::max(units, -kClamp), kClamp));
@@ -191,30 +137,6 @@ void write(const Counts& counts, std::uint32_t pairs, Descriptor& bins) {
   for (int bin = 0; bin < kRatioBins; ++bin) *out++ = halfRootOfShare(counts.ratio[bin], pairs);
 }
 
-// ---- which points ----------------------------------------------------------------------------------------------
-
-// Keeps at most 65,536 of n points, evenly: the i-th kept is number floor(i n / kept).
-class EvenChoice {
- public:
-  explicit EvenChoice(std::uint64_t n) : n_(n), kept_(std::min<std::uint64_t>(n, kMaxPoints)) {}
-  std::size_t kept() const { return static_cast<std::size_t>(kept_); }
-  std::size_t indexOf(std::uint64_t i) const {
-    return static_cast<std::size_t>(i / kept_ * n_ + i % kept_ * n_ / kept_);
-  }
-
- private:
-  std::uint64_t n_, kept_;
-};
-
-bool depthAt(const DepthView& depth, std::uint32_t pixel, int& u, int& v, std::int32_t& z_um) {
-  const std::uint32_t row = pixel / static_cast<std::uint32_t>(depth.width_px);
-  if (row >= static_cast<std::uint32_t>(depth.height_px)) return false;
-  v = static_cast<int>(row);
-  u = static_cast<int>(pixel % static_cast<std::uint32_t>(depth.width_px));
-  z_um = depth.depthUm(u, v);
-  return z_um != 0;
-}
-
 }  // namespace
 
 const char* nameOf(DescribeStatus status) {
@@ -239,7 +161,6 @@ struct Describer::Workspace {
 
   Described describeKept(Span<const PointUm> kept);
   void place(Span<const PointUm> kept, const Frame& frame);
-  DistanceScale distanceScale(Span<const PointUm> kept, const Frame& frame) const;
   void drawSurface(std::size_t points);
   Counts drawPairs(std::size_t points) const;
 };
@@ -247,8 +168,7 @@ struct Describer::Workspace {
 Described Describer::Workspace::describeKept(Span<const PointUm> kept) {
   if (kept.empty()) return {};
   const Box box = boxOf(kept);
-  const bool all_equal = box.least.x == box.most.x && box.least.y == box.most.y && box.least.z == box.most.z;
-  if (all_equal) return {DescribeStatus::Degenerate, {}};
+  if (isOnePoint(box)) return {DescribeStatus::Degenerate, {}};
   place(kept, Frame(box));
   drawSurface(kept.size);
   Described result{DescribeStatus::Ok, {}};
@@ -256,25 +176,8 @@ Described Describer::Workspace::describeKept(Span<const PointUm> kept) {
   return result;
 }
 
-// 65,536 points of squares below 3 x 2^40 sum to less than 2^58.
-DistanceScale Describer::Workspace::distanceScale(Span<const PointUm> kept, const Frame& frame) const {
-  const auto n = static_cast<std::int64_t>(kept.size);
-  Vector sum;
-  std::int64_t squares = 0;
-  for (const PointUm& point : kept) {
-    const Vector p = frame.of(point);
-    sum = {sum.x + p.x, sum.y + p.y, sum.z + p.z};
-    squares += squaredNorm(p);
-  }
-  const Vector centroid{sum.x / n, sum.y / n, sum.z / n};
-  // sum of (p - c)^2 = sum of p^2 - 2 c sum of p + n c^2, exactly, for any c
-  const std::int64_t about_centroid =
-      squares - 2 * (centroid.x * sum.x + centroid.y * sum.y + centroid.z * sum.z) + n * squaredNorm(centroid);
-  return DistanceScale(centroid, static_cast<std::uint64_t>(about_centroid / n));
-}
-
 void Describer::Workspace::place(Span<const PointUm> kept, const Frame& frame) {
-  const DistanceScale scale = distanceScale(kept, frame);
+  const DistanceScale scale(normaliserOf(kept, frame));
   const Vector c = scale.centroid();
   for (std::size_t i = 0; i < kept.size; ++i) {
     const Vector p = frame.of(kept[i]);
@@ -325,17 +228,10 @@ Described Describer::describe(Span<const PointUm> points) {
 
 Described Describer::describe(const DepthView& depth, Span<const std::uint32_t> pixels) {
   if (depth.empty() || !depth.camera.valid()) return {};
-  int u, v;
-  std::int32_t z_um;
-  std::size_t seen = 0;
-  for (const std::uint32_t pixel : pixels) seen += depthAt(depth, pixel, u, v, z_um);
-  const EvenChoice choice(seen);
-  std::size_t number = 0, kept = 0;
-  for (const std::uint32_t pixel : pixels) {
-    if (kept == choice.kept()) break;
-    if (!depthAt(depth, pixel, u, v, z_um) || number++ != choice.indexOf(kept)) continue;
-    workspace_->points[kept++] = backProject(depth.camera, u, v, z_um);
-  }
+  std::size_t kept = 0;
+  forEachPixel(depth, pixels, [&](const Pixel& pixel) {
+    workspace_->points[kept++] = backProject(depth.camera, pixel.u, pixel.v, pixel.z_um);
+  });
   return workspace_->describeKept({workspace_->points.data(), kept});
 }
 
