@@ -216,7 +216,7 @@ void fillAnswer(const Answer& answer, const Index& index, Object* object) {
   object->score = answer.score_permille / 1000.0f;
   object->distance = best.distance;
   object->margin = answer.margin_permille / 1000.0f;
-  const format::View& view = index.views()[answer.alternatives[0].view];
+  const format::View view = index.view(answer.alternatives[0].view);
   object->model = std::string(index.modelName(view.model));
   object->view = view.direction;
 }

@@ -43,6 +43,7 @@ inline ClassifyParams paramsOf(const ClassificationConfig& config) {
   ClassifyParams params;
   params.exact = config.exact;
   params.radius_bits = config.radius_bits;
+  params.lists = config.lists;
   params.vote = config.vote;
   params.min_score_permille = config.min_score_permille;
   return params;

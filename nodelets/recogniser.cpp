@@ -4,22 +4,20 @@
 namespace voxid {
 
 Recogniser::Recogniser(std::shared_ptr<const Index> index)
-    : index_(std::move(index)), describer_(index_->descriptorParams()) {}
+    : index_(std::move(index)), encoder_(makeEncoder(index_->profile())), code_(index_->parameters().code_bytes) {}
 
 Answer Recogniser::recognise(const DepthView& depth, Span<const std::uint32_t> pixels, const ClassifyParams& params) {
-  const Described described = describer_.describe(depth, pixels);
-  if (described.status != DescribeStatus::Ok) return {};
-  const Nearest& nearest = searchFor(params).find(described.bins.data());
+  if (encoder_->encode(depth, pixels, code_.data()) != DescribeStatus::Ok) return {};
+  const Nearest& nearest = searchFor(params).find(code_.data());
   return classify(*index_, nearest, params.vote ? ClassifyMethod::Vote : ClassifyMethod::OneNn,
                   params.min_score_permille);
 }
 
 Search& Recogniser::searchFor(const ClassifyParams& params) {
-  const bool same = params.exact == exact_ && (params.exact || params.radius_bits == radius_bits_);
-  if (!search_ || !same) {
-    search_ = params.exact ? makeExactSearch(index_) : makeLshSearch(index_, params.radius_bits);
-    exact_ = params.exact;
-    radius_bits_ = params.radius_bits;
+  const SearchParams wanted = searchParamsOf(params);
+  if (!search_ || !(wanted == made_for_)) {
+    search_ = makeSearch(index_, wanted);
+    made_for_ = wanted;
   }
   return *search_;
 }

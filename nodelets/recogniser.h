@@ -2,10 +2,11 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "voxid/core/classifier.h"
 #include "voxid/core/classify_params.h"
-#include "voxid/core/descriptor.h"
+#include "voxid/core/encoder.h"
 #include "voxid/core/search.h"
 
 namespace voxid {
@@ -23,10 +24,10 @@ class Recogniser {
   Search& searchFor(const ClassifyParams& params);
 
   std::shared_ptr<const Index> index_;
-  Describer describer_;
+  std::unique_ptr<Encoder> encoder_;
+  std::vector<std::uint8_t> code_;
   std::unique_ptr<Search> search_;
-  bool exact_ = true;
-  int radius_bits_ = 0;
+  SearchParams made_for_;
 };
 
 }  // namespace voxid

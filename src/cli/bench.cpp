@@ -71,10 +71,10 @@ Status run(const Options& options) {
   };
   Json result;
   result["queries"] = views.value.size();
-  result["views"] = index.value->views().size;
+  result["views"] = index.value->viewCount();
   result["rows"] = Json::array();
   if (wanted("descriptor")) {
-    for (Json& row : benchDescriptors(views.value)) result["rows"].push_back(std::move(row));
+    for (Json& row : benchDescriptors(index.value->profile(), views.value)) result["rows"].push_back(std::move(row));
   }
   if (wanted("query")) {
     for (Json& row : benchQueries(index.value, views.value)) result["rows"].push_back(std::move(row));

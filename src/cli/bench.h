@@ -33,7 +33,7 @@ void comparePeer(Json& row, const std::string& peer, double peer_median_us);
 
 /// descriptor/paper beside pcl::ESFEstimation on the same points: the views as they are, and those that have them
 /// thinned to 1,300, 3,000 and 6,000 points.
-std::vector<Json> benchDescriptors(const std::vector<BenchView>& views);
+std::vector<Json> benchDescriptors(const Profile& profile, const std::vector<BenchView>& views);
 
 /// The searches of an index and of other libraries over its codes.
 std::vector<Json> benchQueries(const std::shared_ptr<const Index>& index, const std::vector<BenchView>& views);

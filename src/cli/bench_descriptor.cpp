@@ -45,14 +45,14 @@ struct Times {
 };
 
 /// Both on every view, in turn, so that what else the machine does meets both.
-Times timesOf(const std::vector<Work>& work, Describer& describer, Esf& esf) {
+Times timesOf(const std::vector<Work>& work, Encoder& encoder, std::vector<std::uint8_t>& code, Esf& esf) {
   Times times;
   for (const Work& w : work) {
     const DepthView depth = w.view->file.view();
     const std::vector<PointUm> points = pointsOf(depth, {w.pixels.data(), w.pixels.size()});
     if (!esf.accept({points.data(), points.size()})) continue;
     for (int i = 0; i < kRepetitions; ++i) {
-      times.ours_us.push_back(usOf([&] { describer.describe(depth, {w.pixels.data(), w.pixels.size()}); }));
+      times.ours_us.push_back(usOf([&] { encoder.encode(depth, {w.pixels.data(), w.pixels.size()}, code.data()); }));
     }
     times.esf_us.push_back(usOf([&] { esf.describe(); }));
     times.points.push_back(static_cast<double>(points.size()));
@@ -60,24 +60,32 @@ Times timesOf(const std::vector<Work>& work, Describer& describer, Esf& esf) {
   return times;
 }
 
-}  // namespace
-
-std::vector<Json> benchDescriptors(const std::vector<BenchView>& views) {
-  Describer describer;
+std::vector<Json> rowsOf(const std::string& name, const Profile& profile, const std::vector<BenchView>& views) {
+  const auto encoder = makeEncoder(profile);
+  std::vector<std::uint8_t> code(profile.codeBytes());
   Esf esf;
   std::vector<Json> rows;
   for (const std::size_t points : kPoints) {
-    const Times times = timesOf(workOf(views, points), describer, esf);
+    const Times times = timesOf(workOf(views, points), *encoder, code, esf);
     if (times.ours_us.empty()) {
       std::fprintf(stderr, "voxid: no view has %zu points for both descriptors, its row is left out\n", points);
       continue;
     }
-    Json row = benchRow(points == 0 ? "descriptor/paper" : "descriptor/paper/" + std::to_string(points), times.ours_us);
+    Json row = benchRow(points == 0 ? name : name + "/" + std::to_string(points), times.ours_us);
     comparePeer(row, "pcl::ESFEstimation", quantile(times.esf_us, 0.5));
     row["points"] = quantile(times.points, 0.5);
     row["objects"] = times.esf_us.size();
     rows.push_back(row);
   }
+  return rows;
+}
+
+}  // namespace
+
+std::vector<Json> benchDescriptors(const Profile& profile, const std::vector<BenchView>& views) {
+  std::vector<Json> rows = rowsOf("descriptor/paper", {}, views);
+  if (!profile.projection) return rows;
+  for (Json& row : rowsOf("descriptor/default", profile, views)) rows.push_back(std::move(row));
   return rows;
 }
 

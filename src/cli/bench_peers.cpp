@@ -35,8 +35,8 @@ class CodeSpace : public hnswlib::SpaceInterface<int> {
 
 struct Hnsw {
   Hnsw(const Index& index, CodeDistance distance)
-      : space(index.parameters().code_bytes, distance), graph(&space, index.views().size, kLinks, kBuildBreadth) {
-    for (std::uint32_t view = 0; view < index.views().size; ++view) graph.addPoint(index.code(view), view);
+      : space(index.parameters().code_bytes, distance), graph(&space, index.viewCount(), kLinks, kBuildBreadth) {
+    for (std::uint32_t view = 0; view < index.viewCount(); ++view) graph.addPoint(index.code(view), view);
   }
 
   double bytes() const {
@@ -58,7 +58,7 @@ Contender hnsw(const Index& index, CodeDistance distance) {
   contender.name = "query/hnswlib";
   contender.knob = "ef";
   contender.settings = {10, 16, 32, 64, 128, 256, 512};
-  contender.bytes_per_view = built->bytes() / static_cast<double>(index.views().size);
+  contender.bytes_per_view = built->bytes() / static_cast<double>(index.viewCount());
   contender.prepare = [built](int ef) { built->graph.setEf(static_cast<std::size_t>(ef)); };
   contender.find = [built](const std::uint8_t* code, std::vector<std::uint32_t>& ten) {
     auto found = built->graph.searchKnn(code, kTen);  // the farthest on top
@@ -78,7 +78,7 @@ using FlannL1 = flann::L1<unsigned char>;
 /// Four randomised trees, FLANN's usual choice. The codes stay where they are.
 struct Flann {
   explicit Flann(const Index& index)
-      : codes(const_cast<unsigned char*>(index.code(0)), index.views().size, index.parameters().code_bytes),
+      : codes(const_cast<unsigned char*>(index.code(0)), index.viewCount(), index.parameters().code_bytes),
         trees(codes, flann::KDTreeIndexParams(4)) {
     flann::seed_random(1);
     trees.buildIndex();
@@ -96,7 +96,7 @@ Contender flannTrees(const Index& index) {
   contender.knob = "checks";
   contender.settings = {256, 1024, 4096, 16384};
   contender.bytes_per_view = index.parameters().code_bytes +
-                             static_cast<double>(built->trees.usedMemory()) / static_cast<double>(index.views().size);
+                             static_cast<double>(built->trees.usedMemory()) / static_cast<double>(index.viewCount());
   contender.prepare = [params](int checks) { params->checks = checks; };
   contender.find = [built, params, bytes = index.parameters().code_bytes](const std::uint8_t* code,
                                                                           std::vector<std::uint32_t>& ten) {

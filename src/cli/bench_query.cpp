@@ -59,13 +59,15 @@ Json scanRow(std::size_t count, const std::vector<BenchQuery>& queries) {
 }
 
 std::vector<BenchQuery> queriesOf(const Index& index, const std::vector<BenchView>& views) {
-  Describer describer(index.descriptorParams());
+  Describer describer(index.projection() ? DescriptorParams() : index.descriptorParams());
+  const auto encoder = makeEncoder(index.profile());
   std::vector<BenchQuery> queries;
   for (const BenchView& view : views) {
     const Described described = describer.describe(view.file.view(), {view.pixels.data(), view.pixels.size()});
     if (described.status != DescribeStatus::Ok) continue;
     BenchQuery query;
-    query.code.assign(described.bins.begin(), described.bins.end());
+    query.code.resize(index.parameters().code_bytes);
+    encoder->encode(view.file.view(), {view.pixels.data(), view.pixels.size()}, query.code.data());
     query.bins = described.bins;
     query.category = view.category;
     queries.push_back(std::move(query));
@@ -89,16 +91,19 @@ Contender exactSearch(const std::shared_ptr<const Index>& index) {
   return contender;
 }
 
-/// The paper's hash table.
-Contender keySearch(const std::shared_ptr<const Index>& index) {
+/// The index's hash: the paper's key, or lists.
+Contender hashSearch(const std::shared_ptr<const Index>& index) {
   Contender contender;
-  contender.name = "query/paper_key";
-  contender.knob = "radius_bits";
-  contender.settings = {0, 2, 4, 6, 8};
-  contender.main_setting = 4;
-  contender.bytes_per_view = static_cast<double>(index->bytes()) / static_cast<double>(index->views().size);
+  const bool lists = index->projection() != nullptr;
+  contender.name = lists ? "query/default" : "query/paper_key";
+  contender.knob = lists ? "lists" : "radius_bits";
+  contender.settings = lists ? std::vector<int>{4, 8, 16, 24, 32, 48, 64, 128} : std::vector<int>{0, 2, 4, 6, 8};
+  contender.main_setting = lists ? SearchParams().lists : SearchParams().radius_bits;
+  contender.bytes_per_view = static_cast<double>(index->bytes()) / static_cast<double>(index->viewCount());
   const auto search = std::make_shared<std::unique_ptr<Search>>();
-  contender.prepare = [search, index](int radius_bits) { *search = makeLshSearch(index, radius_bits); };
+  contender.prepare = [search, index, lists](int setting) {
+    *search = lists ? makeListSearch(index, setting) : makeLshSearch(index, setting);
+  };
   contender.find = [search](const std::uint8_t* code, std::vector<std::uint32_t>& ten) {
     ten.clear();
     const Nearest& nearest = (*search)->find(code);
@@ -113,6 +118,12 @@ void findExact(const std::shared_ptr<const Index>& index, std::vector<BenchQuery
     const Span<const Neighbour> views = search->find(query.code.data()).views;
     query.exact.assign(views.begin(), views.begin() + std::min(kTen, views.size));
   }
+}
+
+CodeDistance distanceOf(const Index& index) {
+  if (!index.projection()) return l1;
+  if (index.parameters().code_bytes == 32) return [](const std::uint8_t* a, const std::uint8_t* b) { return squaredDistance(a, b, 32); };
+  return [](const std::uint8_t* a, const std::uint8_t* b) { return squaredDistance(a, b, 64); };
 }
 
 struct Measured {
@@ -130,7 +141,7 @@ void judge(const Index& index, CodeDistance distance, const BenchQuery& query, c
   }
   measured.recall10 += static_cast<double>(near) / static_cast<double>(query.exact.size());
   measured.recall1 += distance(query.code.data(), index.code(ten[0])) <= query.exact[0].distance;
-  const std::uint32_t model = index.views()[ten[0]].model;
+  const std::uint32_t model = index.modelOf(ten[0]);
   measured.right += index.categoryName(index.models()[model].category) == query.category;
 }
 
@@ -185,12 +196,13 @@ std::vector<Json> benchQueries(const std::shared_ptr<const Index>& index, const 
   std::vector<BenchQuery> queries = queriesOf(*index, views);
   if (queries.empty()) return {};
   findExact(index, queries);
-  std::vector<Json> rows{scanRow(index->views().size, queries)};
-  std::vector<Contender> contenders{exactSearch(index), keySearch(index)};
-  for (Contender& peer : peersOf(*index, l1)) contenders.push_back(std::move(peer));
+  const CodeDistance distance = distanceOf(*index);
+  std::vector<Json> rows{scanRow(index->viewCount(), queries)};
+  std::vector<Contender> contenders{exactSearch(index), hashSearch(index)};
+  for (Contender& peer : peersOf(*index, distance)) contenders.push_back(std::move(peer));
   const double scan_us = rows[0]["median_us"].get<double>();
   for (const Contender& contender : contenders) {
-    rows.push_back(contenderRow(*index, l1, contender, queries));
+    rows.push_back(contenderRow(*index, distance, contender, queries));
     comparePeer(rows.back(), kScan, scan_us);
   }
   return rows;

@@ -1,22 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // voxid build: models become an index.
 #include <signal.h>
-#include <unistd.h>
 
-#include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <thread>
 
+#include "build_progress.h"
 #include "command.h"
 #include "voxid/library/builder.h"
+#include "voxid/library/shipped_projection.h"
 
 namespace voxid::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Clock = std::chrono::steady_clock;
 
 /// One object a line on stdout, at once. File names need not be UTF-8; JSON must.
 void printEvent(const Json& event) {
@@ -32,35 +30,7 @@ class JsonListener : public BuildListener {
   }
 };
 
-/// One line on a terminal, redrawn in place; nothing elsewhere.
-class ProgressBar : public BuildListener {
- public:
-  ~ProgressBar() override {
-    if (drawn_) std::fprintf(stderr, "\r\033[K");
-  }
-  void onSkipped(const SkippedModel&) override { ++skipped_; }
-  void onProgress(int done, int models, std::uint64_t views) override {
-    if (!terminal_) return;
-    drawn_ = true;
-    const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-    const int left_s = done > 0 ? static_cast<int>(seconds * (models - done) / done) : 0;
-    const int filled = models > 0 ? kWidth * done / models : 0;
-    const std::string bar = std::string(static_cast<std::size_t>(filled), '#') + std::string(static_cast<std::size_t>(kWidth - filled), '.');
-    std::fprintf(stderr, "\r\033[K[%s] %d/%d models, %.0f views/s, %d:%02d left, %d skipped", bar.c_str(), done, models,
-                 static_cast<double>(views) / std::max(seconds, 0.001), left_s / 60, left_s % 60, skipped_);
-  }
-
- private:
-  static constexpr int kWidth = 30;
-  bool terminal_ = ::isatty(STDERR_FILENO) == 1, drawn_ = false;
-  int skipped_ = 0;
-  Clock::time_point start_ = Clock::now();
-};
-
-void printSkipped(const BuildReport& report) {
-  for (const SkippedModel& skipped : report.skipped) {
-    std::fprintf(stderr, "voxid: skipped %s: %s\n", skipped.model.c_str(), skipped.reason.c_str());
-  }
+void printEmpty(const BuildReport& report) {
   for (const std::string& category : report.empty_categories) {
     std::fprintf(stderr, "voxid: category %s has no readable mesh and is left out\n", category.c_str());
   }
@@ -84,6 +54,35 @@ void printDoneEvent(const BuildReport& report) {
               {"bytes", report.bytes}});
 }
 
+/// Which descriptor, as options.
+struct DescriptorChoice {
+  std::string descriptor = "default", projection;
+  DescriptorParams params;
+  const CLI::Option* pairs = nullptr;
+
+  void addTo(CLI::App& app) {
+    app.add_option("--descriptor", descriptor, "What views are described with; queries are described alike")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"default", "paper"}));
+    app.add_option("--projection", projection, "Of descriptor default: made by `voxid train`, instead of the one shipped")
+        ->type_name("FILE");
+    pairs = app.add_option("--pairs", params.pairs, "Of descriptor paper: lines drawn")
+                ->capture_default_str()
+                ->check(CLI::Range(1, 1000000));
+  }
+
+  Result<Profile> profile() const {
+    if (descriptor == "paper") {
+      if (!projection.empty()) return Status::badUse("--projection is for --descriptor default");
+      return Profile{params, nullptr};
+    }
+    if (pairs->count() > 0) return Status::badUse("--pairs is for --descriptor paper; a projection says how many pairs it needs");
+    const auto read = projection.empty() ? shippedProjection() : Projection::read(projection);
+    if (!read.ok()) return read.status;
+    return Profile{{}, read.value};
+  }
+};
+
 Status run(const BuildOptions& options, bool json) {
   ::signal(SIGXFSZ, SIG_IGN);  // a file size limit is then an error of write(), with a sentence
   Result<BuildReport> report = Status::cannotDo("not built");
@@ -95,13 +94,12 @@ Status run(const BuildOptions& options, bool json) {
     report = buildIndex(options, listener);
   }
   if (!report.ok()) return report.status;
-  printSkipped(report.value);
+  printSkipped(report.value.skipped);
+  printEmpty(report.value);
   if (json) printDoneEvent(report.value);
   else printDone(report.value, options.out);
   return {};
 }
-
-int processors() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
 }  // namespace
 
@@ -114,9 +112,15 @@ Run addBuild(CLI::App& app) {
   app.add_option("--jobs", options->jobs, "Worker processes; the index is the same for any number")->capture_default_str()->check(CLI::Range(1, 1024));
   app.add_flag("--resume", options->resume, "Go on where an interrupted build of the same models and settings ended");
   app.add_option("--views-every", options->views_every, "Take every n-th of the 80 directions")->capture_default_str()->check(CLI::Range(1, 80));
-  app.add_option("--pairs", options->params.pairs, "Lines a descriptor; a query uses what its index used")->capture_default_str()->check(CLI::Range(1, 1000000));
+  const auto choice = std::make_shared<DescriptorChoice>();
+  choice->addTo(app);
   app.add_flag("--json", *json, "Events as JSON, one a line on standard output");
-  return [options, json] { return run(*options, *json); };
+  return [options, json, choice] {
+    auto profile = choice->profile();
+    if (!profile.ok()) return profile.status;
+    options->profile = std::move(profile.value);
+    return run(*options, *json);
+  };
 }
 
 }  // namespace voxid::cli

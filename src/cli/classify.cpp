@@ -177,6 +177,7 @@ Status run(const Options& options) {
   if (!set.ok()) return set;
   const auto index = Index::open(options.index);
   if (!index.ok()) return index.status;
+  if (const Status fits = options.search.check(*index.value); !fits.ok()) return fits;
   Session session{options, Recogniser(index.value, options.search), Segmenter(), params};
   return classifyFiles(session);
 }

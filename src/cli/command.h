@@ -22,6 +22,7 @@ Run addEval(CLI::App& app);
 Run addInfo(CLI::App& app);
 Run addRender(CLI::App& app);
 Run addSegment(CLI::App& app);
+Run addTrain(CLI::App& app);
 Run addVerify(CLI::App& app);
 
 }  // namespace voxid::cli

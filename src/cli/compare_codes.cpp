@@ -84,34 +84,35 @@ class FloatShapesCode : public FloatCode {
   FloatShapes shapes_{};
 };
 
-class PaperCode : public ViewCode {
+class ProfileCode : public ViewCode {
  public:
-  explicit PaperCode(const DescriptorParams& params) : ViewCode("paper", kDescriptorBytes), describer_(params) {}
+  explicit ProfileCode(const Profile& profile)
+      : ViewCode(profile.projection ? "default" : "paper", profile.codeBytes()), profile_(profile), encoder_(makeEncoder(profile)) {}
 
   bool describe(const DepthView& depth, Span<const std::uint32_t> pixels, std::uint8_t* out) override {
-    const Described described = describer_.describe(depth, pixels);
-    std::memcpy(out, described.bins.data(), bytes);
-    return described.status == DescribeStatus::Ok;
+    return encoder_->encode(depth, pixels, out) == DescribeStatus::Ok;
   }
-  std::uint32_t distance(const std::uint8_t* a, const std::uint8_t* b) const override { return l1(a, b); }
+  std::uint32_t distance(const std::uint8_t* a, const std::uint8_t* b) const override { return codeDistance(profile_, a, b); }
 
  private:
-  Describer describer_;
+  Profile profile_;
+  std::unique_ptr<Encoder> encoder_;
 };
 
 }  // namespace
 
 std::vector<std::unique_ptr<ViewCode>> comparedCodes(const Index& index) {
-  const DescriptorParams params = index.descriptorParams();
+  const DescriptorParams params = index.projection() ? DescriptorParams{} : index.descriptorParams();
   std::vector<std::unique_ptr<ViewCode>> codes;
   codes.push_back(std::make_unique<EsfCode>());
   codes.push_back(std::make_unique<FloatShapesCode>("d2", kDistanceBins, params));
   codes.push_back(std::make_unique<FloatShapesCode>("paper_float", kDescriptorBytes, params));
-  codes.push_back(std::make_unique<PaperCode>(params));
+  codes.push_back(std::make_unique<ProfileCode>(Profile{params, nullptr}));
+  if (index.projection()) codes.push_back(std::make_unique<ProfileCode>(index.profile()));
   return codes;
 }
 
-std::unique_ptr<ViewCode> ownCode(const Index& index) { return std::make_unique<PaperCode>(index.descriptorParams()); }
+std::unique_ptr<ViewCode> ownCode(const Index& index) { return std::make_unique<ProfileCode>(index.profile()); }
 
 std::vector<PointUm> pointsOf(const DepthView& depth, Span<const std::uint32_t> pixels) {
   std::vector<PointUm> points;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "voxid/core/depth_view.h"
+#include "voxid/core/encoder.h"
 #include "voxid/core/index.h"
 #include "voxid/core/span.h"
 
@@ -28,7 +29,8 @@ class ViewCode {
 };
 
 /// PCL's ESF; D2 alone; the paper's descriptor in bytes and, for what rounding costs, in floats; all by L1. The paper's
-/// is made with the index's parameters.
+/// is made with the index's parameters, where it is of that profile, else with the usual ones; then the index's own
+/// descriptor comes last.
 std::vector<std::unique_ptr<ViewCode>> comparedCodes(const Index& index);
 
 /// The descriptor that the index was made with: describes as its views were, compares as its search does.

@@ -44,7 +44,7 @@ struct ModelRows {
 std::vector<ModelRows> rowsByModel(const Index& index, const std::vector<std::uint32_t>& views) {
   std::vector<ModelRows> models;
   for (std::size_t row = 0; row < views.size(); ++row) {
-    const std::uint32_t model = index.views()[views[row]].model;
+    const std::uint32_t model = index.modelOf(views[row]);
     if (models.empty() || models.back().model != model) models.push_back({model, row, row});
     models.back().last = row + 1;
   }
@@ -72,7 +72,7 @@ class Worker {
     scene.add(mesh.value, unitPlacement(mesh.value));
     scene.commit();
     for (std::size_t row = rows.first; row < rows.last; ++row) {
-      const int direction = index_.views()[out_.views[row]].direction;
+      const int direction = index_.view(out_.views[row]).direction;
       const ModelView view = drawModelView(scene, name, direction);
       if (!isInIndex(view, out_.views[row])) return foreign(name, direction);
       describeRow(view, row);
@@ -156,8 +156,8 @@ Status describeInProcesses(const Index& index, const std::string& models, const 
 
 Result<ComparedViews> describeViews(const Index& index, const std::string& models, int every, int jobs) {
   ComparedViews out;
-  for (std::uint32_t view = 0; view < index.views().size; ++view) {
-    if (index.views()[view].direction % every == 0) out.views.push_back(view);
+  for (std::uint32_t view = 0; view < index.viewCount(); ++view) {
+    if (index.view(view).direction % every == 0) out.views.push_back(view);
   }
   if (out.views.empty())
     return Status::nothingFound(index.path() + ": no view whose direction is a multiple of " + std::to_string(every));

@@ -113,6 +113,7 @@ Status run(const Options& options) {
   if (Status status = check(options); !status.ok()) return status;
   const auto index = Index::open(options.index);
   if (!index.ok()) return index.status;
+  if (const Status fits = options.search.check(*index.value); !fits.ok()) return fits;
   if (!options.scenes.folder.empty()) return evaluateReal(options, index.value);
   return options.comparing ? compare(options, index.value) : evaluate(options, index.value);
 }

@@ -83,7 +83,7 @@ Result<Outcomes> answerAll(const std::shared_ptr<const Index>& index, const std:
 }
 
 double bytesPerView(const Index& index) {
-  return static_cast<double>(index.bytes()) / static_cast<double>(index.views().size);
+  return static_cast<double>(index.bytes()) / static_cast<double>(index.viewCount());
 }
 
 Json resultOf(const Index& index, const std::vector<Query>& queries, const Outcomes& outcomes) {

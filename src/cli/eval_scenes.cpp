@@ -145,7 +145,7 @@ void addRows(const Index& index, const SceneObjects& scenes, CodeSearch search, 
 /// The index's own descriptor on all its views.
 void addOwnRows(const Index& index, const SceneObjects& scenes, const std::vector<Choice>& choices, Json& rows) {
   const auto code = ownCode(index);
-  std::vector<std::uint32_t> views(index.views().size);
+  std::vector<std::uint32_t> views(index.viewCount());
   std::iota(views.begin(), views.end(), 0u);
   const auto code_at = [&](std::size_t view) { return index.code(static_cast<std::uint32_t>(view)); };
   addRows(index, scenes, CodeSearch(index, *code, views, code_at), choices, rows);

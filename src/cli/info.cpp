@@ -42,7 +42,7 @@ Json categoriesOf(const Index& index) {
 }
 
 double bytesPerView(const Index& index) {
-  return index.views().empty() ? 0 : static_cast<double>(index.bytes()) / static_cast<double>(index.views().size);
+  return index.viewCount() == 0 ? 0 : static_cast<double>(index.bytes()) / static_cast<double>(index.viewCount());
 }
 
 Json toJson(const Index& index, bool with_categories) {
@@ -57,7 +57,7 @@ Json toJson(const Index& index, bool with_categories) {
   json["seed"] = parameters.seed;
   json["categories"] = index.categories().size;
   json["models"] = index.models().size;
-  json["views"] = index.views().size;
+  json["views"] = index.viewCount();
   json["buckets"] = index.keys().size;
   json["bytes"] = index.bytes();
   json["bytes_per_view"] = bytesPerView(index);
@@ -83,7 +83,7 @@ void printForPeople(const Index& index, bool with_categories) {
   std::printf("categories   %zu\n", index.categories().size);
   if (with_categories) printCategories(index);
   std::printf("models       %zu\n", index.models().size);
-  std::printf("views        %zu in %zu buckets\n", index.views().size, index.keys().size);
+  std::printf("views        %u in %zu buckets\n", index.viewCount(), index.keys().size);
   std::printf("bytes        %llu, %.1f a view\n", static_cast<unsigned long long>(index.bytes()), bytesPerView(index));
   const std::uint32_t samples = index.calibration().samples;
   std::printf("calibration  %s\n",

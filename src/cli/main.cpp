@@ -31,6 +31,7 @@ constexpr SubCommand kSubCommands[] = {
     {"info", "Say what an index holds", addInfo},
     {"render", "Render a model, or a table with models on it, to depth images", addRender},
     {"segment", "Find the table and what stands on it in depth images", addSegment},
+    {"train", "Learn the projection of the default descriptor from models", addTrain},
     {"verify", "Check every byte of an index", addVerify},
 };
 

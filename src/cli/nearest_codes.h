@@ -28,7 +28,7 @@ class CodeSearch {
   const ViewCode& code() const { return code_; }
 
  private:
-  std::uint32_t categoryOf(std::uint32_t view) const { return index_.models()[index_.views()[view].model].category; }
+  std::uint32_t categoryOf(std::uint32_t view) const { return index_.models()[index_.modelOf(view)].category; }
   void compareAll(const AllowedCategories& allowed);
   const Nearest& sorted();
 

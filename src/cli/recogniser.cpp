@@ -17,30 +17,36 @@ Json jsonOf(const Index& index, const Alternative& alternative) {
 }  // namespace
 
 void SearchChoice::addTo(CLI::App& app) {
-  CLI::Option* const all = app.add_flag("--exact", exact, "Compare with every view (default)");
-  app.add_option_function<int>(
-         "--radius",
-         [this](int bits) {
-           exact = false;
-           radius_bits = bits;
-         },
-         "Compare with the views of the hash table's buckets within N bits only")
-      ->type_name("N")
-      ->check(CLI::Range(0, kKeyBits))
-      ->excludes(all);
+  CLI::Option* const all = app.add_flag("--exact", params.exact, "Compare with every view (default)");
+  const auto addQuick = [&](const char* name, int SearchParams::*number, int least, int most, const char* about) {
+    const auto choose = [this, number](int chosen) {
+      params.exact = false;
+      params.*number = chosen;
+    };
+    return app.add_option_function<int>(name, choose, about)->type_name("N")->check(CLI::Range(least, most))->excludes(all);
+  };
+  CLI::Option* const radius = addQuick("--radius", &SearchParams::radius_bits, 0, kKeyBits,
+                                       "Compare with the buckets within N bits only (descriptor paper)");
+  addQuick("--lists", &SearchParams::lists, 1, 65536, "Compare with the N nearest lists only (descriptor default)")->excludes(radius);
+  quick_ = {app.get_option("--radius"), app.get_option("--lists")};
 }
 
-std::unique_ptr<Search> SearchChoice::make(std::shared_ptr<const Index> index) const {
-  return exact ? makeExactSearch(std::move(index)) : makeLshSearch(std::move(index), radius_bits);
+Status SearchChoice::check(const Index& index) const {
+  const CLI::Option* const foreign = index.projection() ? quick_[0] : quick_[1];
+  if (foreign == nullptr || foreign->count() == 0) return {};
+  return Status::badUse(foreign->get_name() + " is for an index of descriptor " + (index.projection() ? "paper" : "default") +
+                        "; " + index.path() + " is of the other; use " + (index.projection() ? quick_[1] : quick_[0])->get_name());
 }
 
 Recogniser::Recogniser(std::shared_ptr<const Index> index, const SearchChoice& choice)
-    : index_(std::move(index)), describer_(index_->descriptorParams()), search_(choice.make(index_)) {}
+    : index_(std::move(index)),
+      encoder_(makeEncoder(index_->profile())),
+      code_(index_->parameters().code_bytes),
+      search_(makeSearch(index_, choice.params)) {}
 
 const Nearest* Recogniser::nearest(const DepthView& depth, Span<const std::uint32_t> pixels) {
-  const Described described = describer_.describe(depth, pixels);
-  if (described.status != DescribeStatus::Ok) return nullptr;
-  return &search_->find(described.bins.data());
+  if (encoder_->encode(depth, pixels, code_.data()) != DescribeStatus::Ok) return nullptr;
+  return &search_->find(code_.data());
 }
 
 Answer Recogniser::recognise(const DepthView& depth, Span<const std::uint32_t> pixels, ClassifyMethod method,
@@ -69,7 +75,7 @@ void addAnswer(const Index& index, const Answer& answer, Json& object) {
   object["model"] = "";
   object["view"] = nullptr;
   if (answer.count == 0) return;
-  const format::View& view = index.views()[answer.alternatives[0].view];
+  const format::View view = index.view(answer.alternatives[0].view);
   if (view.model >= index.models().size) return;  // a damaged file; `verify` says where
   object["model"] = std::string(index.modelName(view.model));
   object["view"] = view.direction;

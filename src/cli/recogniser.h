@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,16 +11,20 @@
 #include "scene_json.h"
 #include "voxid/core/classifier.h"
 #include "voxid/core/classify_params.h"
+#include "voxid/core/encoder.h"
 
 namespace voxid::cli {
 
 /// How views are compared, as options.
 struct SearchChoice {
-  bool exact = ClassifyParams{}.exact;
-  int radius_bits = ClassifyParams{}.radius_bits;
+  SearchParams params = searchParamsOf(ClassifyParams{});
 
-  void addTo(CLI::App& app);  ///< --exact, --radius
-  std::unique_ptr<Search> make(std::shared_ptr<const Index> index) const;
+  void addTo(CLI::App& app);  ///< --exact, --radius, --lists
+  /// BadUse for a way of searching that the index's profile does not have.
+  Status check(const Index& index) const;
+
+ private:
+  std::array<const CLI::Option*, 2> quick_{};  // --radius, --lists
 };
 
 /// Describes and searches; one object a thread. Memory is taken at construction.
@@ -39,7 +44,8 @@ class Recogniser {
 
  private:
   std::shared_ptr<const Index> index_;
-  Describer describer_;
+  std::unique_ptr<Encoder> encoder_;
+  std::vector<std::uint8_t> code_;
   std::unique_ptr<Search> search_;
 };
 

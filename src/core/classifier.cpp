@@ -48,8 +48,8 @@ bool ranksBefore(const Candidate& a, const Candidate& b) {
 
 // kNoCategory for a view that leads nowhere, possible only in a damaged file.
 std::uint32_t categoryOf(const Index& index, Neighbour found) {
-  if (found.view >= index.views().size) return kNoCategory;
-  const std::uint32_t model = index.views()[found.view].model;
+  if (found.view >= index.viewCount()) return kNoCategory;
+  const std::uint32_t model = index.modelOf(found.view);
   if (model >= index.models().size) return kNoCategory;
   const std::uint32_t category = index.models()[model].category;
   return category < index.categories().size ? category : kNoCategory;

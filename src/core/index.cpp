@@ -6,16 +6,19 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstddef>
 #include <cstring>
 #include <limits>
 
+#include "code_distance.h"
 #include "voxid/core/crc32c.h"
 
 namespace voxid {
 namespace {
 
+constexpr char kPaperProfile[] = "paper", kDefaultProfile[] = "default";
 constexpr char kRemedy[] = "copy it again from a good one or make it anew with `voxid build`";
 
 Status cannotOpen(const std::string& path, const std::string& why) {
@@ -34,6 +37,10 @@ std::string tagOf(const format::Section& section) { return {section.tag, sizeof 
 
 std::uint64_t alignedUp(std::uint64_t bytes) {
   return (bytes + format::kAlignment - 1) / format::kAlignment * format::kAlignment;
+}
+
+std::string profileName(const format::Parameters& parameters) {
+  return {parameters.profile, ::strnlen(parameters.profile, sizeof parameters.profile)};
 }
 
 // The sum of header and table, the header's own field taken as zero.
@@ -107,19 +114,15 @@ Status Index::checkSections() const {
 }
 
 Status Index::checkParameters() const {
-  if (crc32c(parameters_, sizeof *parameters_) != header_->descriptor_crc32c) {
-    return damaged(path_, "the descriptor's parameters do not fit their checksum");
-  }
-  const format::Parameters own = parametersOf(descriptorParams());
+  const format::Parameters own = parametersOf(profile());
   const bool same = std::memcmp(parameters_, &own, sizeof own) == 0;
   if (same && parameters_->pairs >= 1 && parameters_->pairs <= kMaxPairs) return {};
-  const std::string profile(parameters_->profile, ::strnlen(parameters_->profile, sizeof parameters_->profile));
-  return Status::cannotDo("the index " + path_ + " was made with descriptor \"" + profile + "\" revision " +
-                          std::to_string(parameters_->revision) + ", " + std::to_string(parameters_->pairs) +
-                          " pairs, " + std::to_string(parameters_->code_bytes) + " bytes a view; this voxid makes \"" +
-                          own.profile + "\" revision " + std::to_string(own.revision) + ", 1 to " +
-                          std::to_string(kMaxPairs) + " pairs, " + std::to_string(own.code_bytes) +
-                          " bytes; make the index anew with `voxid build`");
+  return Status::cannotDo("the index " + path_ + " was made with descriptor \"" + profileName(*parameters_) +
+                          "\" revision " + std::to_string(parameters_->revision) + ", " +
+                          std::to_string(parameters_->pairs) + " pairs, " + std::to_string(parameters_->code_bytes) +
+                          " bytes a view; this voxid makes \"" + own.profile + "\" revision " +
+                          std::to_string(own.revision) + ", 1 to " + std::to_string(kMaxPairs) + " pairs, " +
+                          std::to_string(own.code_bytes) + " bytes; make the index anew with `voxid build`");
 }
 
 namespace {
@@ -173,10 +176,22 @@ Status Index::locate() {
   const format::Header& h = *header_;
   parameters_ = find.exactly<format::Parameters>("PARM", 1).data;
   if (!find.complaint().empty()) return damaged(path_, find.complaint());
+  if (crc32c(parameters_, sizeof *parameters_) != h.descriptor_crc32c) {
+    return damaged(path_, "the descriptor's parameters do not fit their checksum");
+  }
+  const bool is_default = profileName(*parameters_) == kDefaultProfile;
+  if (is_default) {
+    const Span<const std::uint8_t> section = find.any<std::uint8_t>("PROJ");
+    if (!find.complaint().empty()) return damaged(path_, find.complaint());
+    auto projection = Projection::fromBytes(section, "of the index " + path_);
+    if (!projection.ok()) return projection.status;
+    projection_ = std::move(projection.value);
+  }
   if (Status status = checkParameters(); !status.ok()) return status;
   categories_ = find.exactly<format::Category>("CATS", h.categories);
   models_ = find.exactly<format::Model>("MODL", h.models);
-  views_ = find.exactly<format::View>("VIEW", h.views);
+  if (is_default) short_views_ = find.exactly<format::ShortView>("VIE4", h.views);
+  else views_ = find.exactly<format::View>("VIEW", h.views);
   directions_ = find.any<format::Direction>("DIRS");
   codes_ = find.exactly<std::uint8_t>("CODE", std::uint64_t{h.views} * parameters_->code_bytes).data;
   keys_ = find.exactly<Key>("KEYS", h.buckets);
@@ -219,15 +234,51 @@ std::string_view Index::string(std::uint32_t offset) const {
   return offset < strings_.size ? std::string_view(strings_.data + offset) : std::string_view();
 }
 
-format::Parameters parametersOf(const DescriptorParams& params) {
+format::View Index::view(std::uint32_t i) const {
+  if (!projection_) return views_[i];
+  const format::ShortView& stored = short_views_[i];
+  format::View view{};
+  view.model = modelOf(i);
+  for (int axis = 0; axis < 3; ++axis) view.extents[axis] = static_cast<std::uint16_t>(stored.extents[axis] * 257);
+  view.direction = stored.direction;
+  return view;
+}
+
+// Most models have as many views as the others, so that the place in proportion is near the right one.
+std::uint32_t Index::modelOf(std::uint32_t view) const {
+  if (!projection_) return views_[view].model;
+  const auto models = static_cast<std::uint32_t>(models_.size);
+  if (models == 0) return 0;
+  const auto near = static_cast<std::uint32_t>(std::uint64_t{view} * models / viewCount());
+  std::uint32_t low = near, high = near, step = 1;
+  for (; low > 0 && models_[low].first_view > view; step *= 2) low -= std::min(low, step);
+  for (step = 1; high < models && models_[high].first_view <= view; step *= 2) high += std::min(models - high, step);
+  while (high - low > 1 && low < high) {
+    const std::uint32_t middle = low + (high - low) / 2;
+    (models_[middle].first_view <= view ? low : high) = middle;
+  }
+  return low;
+}
+
+format::Parameters parametersOf(const Profile& profile) {
   format::Parameters p{};
-  constexpr char kProfile[] = "paper";
-  std::memcpy(p.profile, kProfile, sizeof kProfile);
-  p.revision = kDescriptorRevision;
+  const char* const name = profile.projection ? kDefaultProfile : kPaperProfile;
+  std::memcpy(p.profile, name, std::strlen(name));
+  p.revision = profile.projection ? kDepthDescriptorRevision : kDescriptorRevision;
+  const DescriptorParams params = profile.projection ? profile.projection->descriptorParams() : profile.params;
   p.pairs = params.pairs;
   p.seed = params.seed;
-  p.code_bytes = kDescriptorBytes;
+  p.code_bytes = static_cast<std::uint32_t>(profile.codeBytes());
+  if (profile.projection) p.projection_crc32c = crc32c(profile.projection->bytes().data, profile.projection->bytes().size);
   return p;
+}
+
+std::uint32_t codeDistance(const Profile& profile, const std::uint8_t* a, const std::uint8_t* b) {
+  return profile.projection ? squaredDistance(a, b, profile.codeBytes()) : l1(a, b);
+}
+
+Key bucketKeyOf(const Profile& profile, const std::uint8_t* code) {
+  return profile.projection ? Key{profile.projection->listOf(code)} : keyOf(code);
 }
 
 }  // namespace voxid

@@ -90,14 +90,14 @@ Fault checkModels(const Index& index) {
   for (std::uint32_t i = 0; i < index.categories().size; ++i) {
     if (Fault fault = checkModelsOf(index, i, next_view); !fault.empty()) return fault;
   }
-  return next_view == index.views().size ? Fault() : "models do not cover the views";
+  return next_view == index.viewCount() ? Fault() : "models do not cover the views";
 }
 
 Fault checkViewsOf(const Index& index, std::uint32_t model) {
   const format::Model& parent = index.models()[model];
   int previous = -1;
   for (std::uint32_t i = parent.first_view; i < parent.first_view + parent.views; ++i) {
-    const format::View& view = index.views()[i];
+    const format::View view = index.view(i);
     const bool ordered = view.model == model && view.direction > previous;
     if (!ordered || view.direction >= index.directions().size) return at("wrong model or direction in view", i);
     if (view.zero != 0) return at("padding is not zero in view", i);
@@ -118,6 +118,7 @@ Fault checkViews(const Index& index) {
 
 // Views ascend in a bucket and have its key, keys differ: with the right total every view is in exactly one bucket.
 Fault checkBuckets(const Index& index) {
+  const Profile profile = index.profile();
   std::uint64_t total = 0;
   for (std::uint32_t i = 0; i < index.keys().size; ++i) {
     const Key key = index.keys()[i];
@@ -125,12 +126,12 @@ Fault checkBuckets(const Index& index) {
     const Span<const std::uint32_t> bucket = index.bucket(i);
     if (bucket.empty()) return at("nothing in bucket", i);
     for (std::uint32_t k = 0; k < bucket.size; ++k) {
-      const bool ordered = bucket[k] < index.views().size && (k == 0 || bucket[k - 1] < bucket[k]);
-      if (!ordered || keyOf(index.code(bucket[k])) != key) return at("wrong view in bucket", i);
+      const bool ordered = bucket[k] < index.viewCount() && (k == 0 || bucket[k - 1] < bucket[k]);
+      if (!ordered || bucketKeyOf(profile, index.code(bucket[k])) != key) return at("wrong view in bucket", i);
     }
     total += bucket.size;
   }
-  return total == index.views().size ? Fault() : "the buckets do not hold every view";
+  return total == index.viewCount() ? Fault() : "the buckets do not hold every view";
 }
 
 Fault checkCalibration(const Index& index) {

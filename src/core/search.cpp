@@ -5,6 +5,8 @@
 #include <array>
 #include <utility>
 
+#include "code_distance.h"
+
 namespace voxid {
 namespace {
 
@@ -33,6 +35,17 @@ class Gatherer {
       best = candidate;
     }
     if (count_ < kNearestViews || candidate < nearest_[count_ - 1]) insert(candidate);
+  }
+
+  // All views of one model, `first` the number of the first: the same as adding one by one, but most are not looked at.
+  void addModel(std::uint32_t first, Span<const std::uint32_t> distances, std::uint32_t category) {
+    scanned_ += static_cast<std::uint32_t>(distances.size);
+    std::uint32_t least = kNotMet;
+    for (const std::uint32_t distance : distances) least = std::min(least, distance);
+    const bool among_nearest = count_ < kNearestViews || least <= nearest_[count_ - 1].distance;
+    if (!among_nearest && least > best_[category].distance) return;
+    scanned_ -= static_cast<std::uint32_t>(distances.size);
+    for (std::size_t i = 0; i < distances.size; ++i) add({first + static_cast<std::uint32_t>(i), distances[i]}, category);
   }
 
   std::size_t metCategories() const { return met_categories_; }
@@ -80,9 +93,21 @@ class ExactSearch : public Search {
   // A model that leads nowhere (possible only in a damaged file) is passed over.
   void scan(const format::Model& model, const std::uint8_t* code) {
     const std::uint64_t end = std::uint64_t{model.first_view} + model.views;
-    if (end > index_->views().size || model.category >= index_->categories().size) return;
-    for (std::uint32_t view = model.first_view; view < end; ++view) {
-      found_.add({view, l1(code, index_->code(view))}, model.category);
+    if (end > index_->viewCount() || model.category >= index_->categories().size) return;
+    constexpr std::uint32_t kBlock = 256;
+    std::array<std::uint32_t, kBlock> distances;
+    for (std::uint32_t view = model.first_view; view < end; view += kBlock) {
+      const auto count = static_cast<std::uint32_t>(std::min<std::uint64_t>(kBlock, end - view));
+      compare(view, count, code, distances.data());
+      found_.addModel(view, {distances.data(), count}, model.category);
+    }
+  }
+
+  void compare(std::uint32_t first, std::uint32_t count, const std::uint8_t* code, std::uint32_t* distances) const {
+    if (index_->projection()) {
+      squaredDistances(code, index_->code(first), count, index_->parameters().code_bytes, distances);
+    } else {
+      for (std::uint32_t i = 0; i < count; ++i) distances[i] = l1(code, index_->code(first + i));
     }
   }
 
@@ -127,8 +152,8 @@ class LshSearch : public Search {
 
   // A view that leads nowhere (possible only in a damaged file) is passed over.
   void consider(std::uint32_t view, const std::uint8_t* code, std::uint32_t left_out_model) {
-    if (view >= index_->views().size) return;
-    const std::uint32_t model = index_->views()[view].model;
+    if (view >= index_->viewCount()) return;
+    const std::uint32_t model = index_->modelOf(view);
     if (model == left_out_model || model >= index_->models().size) return;
     const std::uint32_t category = index_->models()[model].category;
     if (category < index_->categories().size) found_.add({view, l1(code, index_->code(view))}, category);
@@ -144,6 +169,12 @@ class LshSearch : public Search {
 
 std::unique_ptr<Search> makeExactSearch(std::shared_ptr<const Index> index) {
   return std::make_unique<ExactSearch>(std::move(index));
+}
+
+std::unique_ptr<Search> makeSearch(std::shared_ptr<const Index> index, const SearchParams& params) {
+  if (params.exact) return makeExactSearch(std::move(index));
+  return index->projection() ? makeListSearch(std::move(index), params.lists)
+                             : makeLshSearch(std::move(index), params.radius_bits);
 }
 
 std::unique_ptr<Search> makeLshSearch(std::shared_ptr<const Index> index, int radius_bits) {

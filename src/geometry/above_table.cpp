@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "vectorised.h"
+#include "../core/vectorised.h"
 
 namespace voxid {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cstring>
 
-#include "vectorised.h"
+#include "../core/vectorised.h"
 
 namespace voxid {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "vectorised.h"
+#include "../core/vectorised.h"
 
 namespace voxid {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstdlib>
 
 #include "angle.h"
-#include "vectorised.h"
+#include "../core/vectorised.h"
 
 namespace voxid {
 namespace {

@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxid/library/builder.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -15,11 +9,12 @@
 #include "calibrate.h"
 #include "model_folder.h"
 #include "model_views.h"
+#include "parts_folder.h"
+#include "render_models.h"
 #include "shard.h"
 #include "voxid/core/index.h"
 #include "voxid/library/index_writer.h"
 #include "voxid/library/views.h"
-#include "worker_pool.h"
 
 namespace voxid {
 namespace {
@@ -36,43 +31,6 @@ Status check(const BuildOptions& options) {
   return {};
 }
 
-/// <out>.parts, where finished models wait; one build at a time.
-class PartsFolder {
- public:
-  ~PartsFolder() {
-    if (lock_ >= 0) ::close(lock_);
-  }
-
-  Status open(const std::string& out, bool keep) {
-    path_ = out + ".parts";
-    std::error_code error;
-    fs::create_directory(path_, error);
-    if (error) return Status::cannotDo("cannot make " + path_ + ": " + error.message());
-    lock_ = ::open((path_ + "/lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (lock_ < 0) return Status::cannotDo("cannot write in " + path_ + ": " + std::strerror(errno));
-    if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) return Status::cannotDo("another build of " + out + " is running; wait for it, or choose another --out");
-    if (!keep) clear();
-    return {};
-  }
-
-  void remove() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  const std::string& path() const { return path_; }
-
- private:
-  void clear() {
-    std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(path_, ignored)) {
-      if (entry.path().filename() != "lock") fs::remove(entry.path(), ignored);
-    }
-  }
-
-  std::string path_;
-  int lock_ = -1;
-};
-
 class Builder {
  public:
   Builder(const BuildOptions& options, BuildListener& listener) : options_(options), listener_(listener) {}
@@ -85,7 +43,7 @@ class Builder {
     folder_ = std::move(folder.value);
     if (folder_.models.empty()) return nothing("no mesh in " + options_.models + "; expected <category>/<model>.ply, .obj, ...; see doc/build.md");
     status = parts_.open(options_.out, options_.resume);
-    if (status.ok()) status = renderAll();
+    if (status.ok()) status = renderModels(work(), died_);
     if (status.ok()) status = merge();
     if (status.ok()) status = finish();
     if (!status.ok() && status.kind != Status::Kind::NothingFound) return status;
@@ -97,54 +55,20 @@ class Builder {
  private:
   Status nothing(const std::string& why) { return Status::nothingFound(why); }
 
-  ShardOrigin originOf(const ModelFile& model) const { return voxid::originOf(model, options_.params, options_.views_every); }
+  RenderWork work() const {
+    RenderWork work{folder_, parts_.path(), listener_};
+    work.jobs = options_.jobs;
+    work.views_every = options_.views_every;
+    work.parameters = parametersOf(options_.profile);
+    work.mesh_limits = options_.mesh_limits;
+    work.makeEncode = [this] { return encodeWith(options_.profile); };
+    return work;
+  }
+  ShardOrigin originOf(const ModelFile& model) const { return voxid::originOf(model, parametersOf(options_.profile), options_.views_every); }
   std::string shardOf(const ModelFile& model) const { return shardPath(parts_.path(), model); }
 
-  Status renderAll() {
-    int done = 0;
-    std::uint64_t views = 0;
-    PoolWork work;
-    work.items = static_cast<int>(folder_.models.size());
-    work.work = [this](int item) { return renderOne(folder_.models[item]); };
-    work.onDone = [&](int item, int made) {
-      ++done;
-      views += static_cast<std::uint64_t>(made);
-      if (made > 0) return listener_.onModel(folder_.models[item].file, made);
-      listener_.onSkipped({folder_.models[item].file, readShard(shardOf(folder_.models[item]), originOf(folder_.models[item])).value.refusal});
-    };
-    work.onDied = [&](int item, const std::string& how) {
-      ++done;
-      died_[item] = "its worker died (" + how + ")";
-      listener_.onSkipped({folder_.models[item].file, died_[item]});
-    };
-    work.onTick = [&] { listener_.onProgress(done, work.items, views); };
-    return runInProcesses(options_.jobs, work);
-  }
-
-  /// In a worker: the model's shard, which may be there already; the number of views in it.
-  Result<int> renderOne(const ModelFile& model) const {
-    const ShardOrigin origin = originOf(model);
-    const Result<ModelViews> kept = readShard(shardOf(model), origin);
-    if (kept.ok() && !kept.value.views.empty()) return static_cast<int>(kept.value.views.size());
-    const ModelViews made = viewsOf(model);
-    const Status status = writeShard(shardOf(model), origin, made);
-    if (!status.ok()) return status;
-    return static_cast<int>(made.views.size());
-  }
-
-  ModelViews viewsOf(const ModelFile& model) const {
-    static Describer describer(options_.params);  // one a worker
-    ModelViews refused;
-    refused.refusal = model.clash;
-    if (!model.clash.empty()) return refused;
-    const Result<Mesh> mesh = readMesh(model.path, options_.mesh_limits);
-    if (mesh.ok()) return makeViews(mesh.value, model.category + "/" + model.name, options_.views_every, describer);
-    refused.refusal = mesh.status.sentence;
-    return refused;
-  }
-
   Status merge() {
-    content_.params = options_.params;
+    content_.profile = options_.profile;
     content_.directions.assign(viewDirections().begin(), viewDirections().end());
     for (std::size_t i = 0; i < folder_.models.size(); ++i) {
       const auto died = died_.find(static_cast<int>(i));

@@ -76,14 +76,14 @@ format::Calibration fitCalibration(const std::vector<int>& right, const std::vec
 
 format::Calibration calibrate(std::shared_ptr<const Index> index, const std::vector<CalibrationQuery>& queries) {
   const auto chosen = spread(*index, queries);
-  if (chosen.size() < kLeastSamples) return builtInCalibration();
+  if (chosen.size() < kLeastSamples) return builtInCalibration(index->profile());
   std::vector<int> right(format::Calibration::kBins), asked(format::Calibration::kBins);
   const auto search = makeExactSearch(index);
   for (const CalibrationQuery* const query : chosen) {
     const Nearest& found = search->find(query->code.data(), query->model);
     if (found.categories.size < 2) continue;
     const int bin = binOf(found.categories[0].distance, found.categories[1].distance);
-    const auto categoryOf = [&](std::uint32_t view) { return index->models()[index->views()[view].model].category; };
+    const auto categoryOf = [&](std::uint32_t view) { return index->models()[index->modelOf(view)].category; };
     ++asked[bin];
     if (categoryOf(found.categories[0].view) == index->models()[query->model].category) ++right[bin];
   }

@@ -20,9 +20,13 @@ namespace {
 
 constexpr std::size_t kMaxDirections = 256;  // an 8-bit number in format::View
 constexpr std::uint64_t kMaxEntries = 0xfffffffe;
-constexpr const char* kTags[] = {"PARM", "CATS", "MODL", "DIRS", "VIEW", "CODE",
-                                 "KEYS", "BKTO", "BKTV", "STRS", "CALB"};
-constexpr std::size_t kSections = sizeof kTags / sizeof kTags[0];
+
+/// In the order in which they are written.
+using Tags = std::vector<const char*>;
+Tags tagsOf(const Profile& profile) {
+  if (profile.projection) return {"PARM", "CATS", "MODL", "DIRS", "VIE4", "PROJ", "CODE", "KEYS", "BKTO", "BKTV", "STRS", "CALB"};
+  return {"PARM", "CATS", "MODL", "DIRS", "VIEW", "CODE", "KEYS", "BKTO", "BKTV", "STRS", "CALB"};
+}
 
 using Models = std::vector<const ModelRecord*>;
 
@@ -39,19 +43,19 @@ Models sorted(const IndexContent& content) {
 
 bool hasNul(const std::string& text) { return text.find('\0') != std::string::npos; }
 
-std::string faultOfViews(const ModelRecord& model, std::size_t directions) {
+std::string faultOfViews(const ModelRecord& model, std::size_t directions, std::size_t code_bytes) {
   if (model.views.empty()) return "has no view";
   int previous = -1;
   for (const ViewRecord& view : model.views) {
     if (view.direction <= previous) return "has views whose directions do not ascend";
     if (view.direction >= directions) return "has a view whose direction is not in the list of directions";
-    if (view.code.size() != kDescriptorBytes) return "has a code of " + std::to_string(view.code.size()) + " bytes";
+    if (view.code.size() != code_bytes) return "has a code of " + std::to_string(view.code.size()) + " bytes";
     previous = view.direction;
   }
   return {};
 }
 
-std::string faultOfModel(const ModelRecord& model, const ModelRecord* before, std::size_t directions) {
+std::string faultOfModel(const ModelRecord& model, const ModelRecord* before, std::size_t directions, std::size_t code_bytes) {
   if (model.category.empty() || model.name.empty()) return "has an empty category or name";
   if (hasNul(model.category) || hasNul(model.name) || hasNul(model.licence) || hasNul(model.origin)) {
     return "has a NUL in a text";
@@ -60,12 +64,12 @@ std::string faultOfModel(const ModelRecord& model, const ModelRecord* before, st
     if (before->name == model.name) return "is there twice";
     if (before->synset != model.synset) return "has another synset than the rest of its category";
   }
-  return faultOfViews(model, directions);
+  return faultOfViews(model, directions, code_bytes);
 }
 
 std::string faultOf(const IndexContent& content, const Models& models) {
   if (models.empty()) return "there is no model";
-  if (content.params.pairs < 1 || content.params.pairs > kMaxPairs) return "the number of pairs is out of range";
+  if (content.profile.params.pairs < 1 || content.profile.params.pairs > kMaxPairs) return "the number of pairs is out of range";
   if (content.directions.size() > kMaxDirections) return "there are more than 256 directions";
   const auto& curve = content.calibration.score_permille;
   if (!std::is_sorted(std::begin(curve), std::end(curve)) || *(std::end(curve) - 1) > 1000) {
@@ -74,7 +78,7 @@ std::string faultOf(const IndexContent& content, const Models& models) {
   std::uint64_t views = 0;
   const ModelRecord* before = nullptr;
   for (const ModelRecord* const model : models) {
-    const std::string fault = faultOfModel(*model, before, content.directions.size());
+    const std::string fault = faultOfModel(*model, before, content.directions.size(), content.profile.codeBytes());
     if (!fault.empty()) return "model " + model->category + "/" + model->name + " " + fault;
     views += model->views.size();
     before = model;
@@ -124,12 +128,12 @@ void addModel(Tables& tables, const ModelRecord& model, bool new_category) {
   tables.views += entry.views;
 }
 
-void addBuckets(Tables& tables, const Models& models) {
+void addBuckets(Tables& tables, const Models& models, const Profile& profile) {
   std::vector<std::pair<Key, std::uint32_t>> views;
   views.reserve(tables.views);
   for (const ModelRecord* const model : models) {
     for (const ViewRecord& view : model->views) {
-      views.emplace_back(keyOf(view.code.data()), static_cast<std::uint32_t>(views.size()));
+      views.emplace_back(bucketKeyOf(profile, view.code.data()), static_cast<std::uint32_t>(views.size()));
     }
   }
   std::sort(views.begin(), views.end());
@@ -143,14 +147,14 @@ void addBuckets(Tables& tables, const Models& models) {
   tables.bucket_offsets.push_back(tables.views);
 }
 
-Tables tablesOf(const Models& models) {
+Tables tablesOf(const Models& models, const Profile& profile) {
   Tables tables;
   const ModelRecord* before = nullptr;
   for (const ModelRecord* const model : models) {
     addModel(tables, *model, before == nullptr || before->category != model->category);
     before = model;
   }
-  addBuckets(tables, models);
+  addBuckets(tables, models, profile);
   return tables;
 }
 
@@ -220,16 +224,16 @@ class FileBeside {
 // Sections one after another, each at a multiple of 64 bytes, its sum taken on the way: nothing is held in memory.
 class SectionWriter {
  public:
-  explicit SectionWriter(FileBeside& file) : file_(file) {
-    const std::vector<std::uint8_t> blank(kTableEnd);
+  SectionWriter(FileBeside& file, Tags tags) : file_(file), tags_(std::move(tags)), table_(tags_.size()) {
+    const std::vector<std::uint8_t> blank(sizeof(format::Header) + tableBytes());
     file_.write(blank.data(), blank.size());
-    position_ = kTableEnd;
+    position_ = blank.size();
   }
 
   void begin() {
     pad();
     format::Section& section = table_[count_];
-    std::memcpy(section.tag, kTags[count_], sizeof section.tag);
+    std::memcpy(section.tag, tags_[count_], sizeof section.tag);
     section.offset = position_;
   }
   void put(const void* data, std::size_t bytes) {
@@ -255,14 +259,15 @@ class SectionWriter {
   void finish(format::Header header) {
     pad();
     header.file_bytes = position_;
-    header.crc32c = crc32c(table_, sizeof table_, crc32c(&header, sizeof header));
+    header.sections = static_cast<std::uint32_t>(tags_.size());
+    header.crc32c = crc32c(table_.data(), tableBytes(), crc32c(&header, sizeof header));
     file_.rewind();
     file_.write(&header, sizeof header);
-    file_.write(table_, sizeof table_);
+    file_.write(table_.data(), tableBytes());
   }
 
  private:
-  static constexpr std::size_t kTableEnd = sizeof(format::Header) + kSections * sizeof(format::Section);
+  std::size_t tableBytes() const { return table_.size() * sizeof(format::Section); }
 
   void pad() {
     constexpr std::uint8_t kZeros[format::kAlignment] = {};
@@ -272,7 +277,8 @@ class SectionWriter {
   }
 
   FileBeside& file_;
-  format::Section table_[kSections] = {};
+  Tags tags_;
+  std::vector<format::Section> table_;
   std::size_t count_ = 0;
   std::uint64_t position_ = 0;
 };
@@ -301,6 +307,18 @@ void writeViews(SectionWriter& out, const Models& models) {
   out.end();
 }
 
+void writeShortViews(SectionWriter& out, const Models& models) {
+  out.begin();
+  for (const ModelRecord* const model : models) {
+    for (const ViewRecord& view : model->views) {
+      format::ShortView entry{view.direction, {}};
+      for (std::size_t i = 0; i < 3; ++i) entry.extents[i] = static_cast<std::uint8_t>(view.extents[i] >> 8);
+      out.put(&entry, sizeof entry);
+    }
+  }
+  out.end();
+}
+
 void writeCodes(SectionWriter& out, const Models& models) {
   out.begin();
   for (const ModelRecord* const model : models) {
@@ -309,13 +327,12 @@ void writeCodes(SectionWriter& out, const Models& models) {
   out.end();
 }
 
-format::Header headerOf(const Tables& tables, const format::Parameters& parameters) {
+format::Header headerOf(const IndexContent& content, const Tables& tables, const format::Parameters& parameters) {
   format::Header header{};
   std::copy(std::begin(format::kMagic), std::end(format::kMagic), header.magic);
   header.major = format::kMajor;
-  header.minor = format::kMinor;
+  header.minor = content.profile.projection ? format::kMinor : std::uint16_t{0};
   header.header_bytes = sizeof header;
-  header.sections = kSections;
   header.categories = static_cast<std::uint32_t>(tables.categories.size());
   header.models = static_cast<std::uint32_t>(tables.models.size());
   header.views = tables.views;
@@ -324,30 +341,35 @@ format::Header headerOf(const Tables& tables, const format::Parameters& paramete
   return header;
 }
 
-// In the order of kTags.
+// In the order of tagsOf.
 void writeSections(FileBeside& file, const IndexContent& content, const Models& models, const Tables& tables) {
-  const format::Parameters parameters = parametersOf(content.params);
+  const format::Parameters parameters = parametersOf(content.profile);
   format::Calibration calibration = content.calibration;
   std::fill(std::begin(calibration.zero), std::end(calibration.zero), std::uint8_t{0});
-  SectionWriter out(file);
+  SectionWriter out(file, tagsOf(content.profile));
   out.section(&parameters, sizeof parameters);
   out.section(tables.categories);
   out.section(tables.models);
   writeDirections(out, content.directions);
-  writeViews(out, models);
+  if (const auto& projection = content.profile.projection) {
+    writeShortViews(out, models);
+    out.section(projection->bytes().data, projection->bytes().size);
+  } else {
+    writeViews(out, models);
+  }
   writeCodes(out, models);
   out.section(tables.keys);
   out.section(tables.bucket_offsets);
   out.section(tables.bucket_views);
   out.section(tables.strings.bytes().data(), tables.strings.bytes().size());
   out.section(&calibration, sizeof calibration);
-  out.finish(headerOf(tables, parameters));
+  out.finish(headerOf(content, tables, parameters));
 }
 
 // ---- back into memory --------------------------------------------------------------------------------------------
 
 ViewRecord viewRecord(const Index& index, std::uint32_t number) {
-  const format::View& view = index.views()[number];
+  const format::View view = index.view(number);
   const std::uint8_t* const code = index.code(number);
   return {view.direction,
           view.points,
@@ -367,12 +389,17 @@ ModelRecord modelRecord(const Index& index, const format::Model& model) {
 
 bool leadsNowhere(const Index& index, const format::Model& model) {
   return model.category >= index.categories().size ||
-         std::uint64_t{model.first_view} + model.views > index.views().size;
+         std::uint64_t{model.first_view} + model.views > index.viewCount();
 }
 
 }  // namespace
 
-format::Calibration builtInCalibration() {
+format::Calibration builtInCalibration(const Profile& profile) {
+  if (profile.projection) {
+    format::Calibration curve = profile.projection->calibration();
+    curve.samples = 0;
+    return curve;
+  }
   format::Calibration curve{};
   for (int bin = 0; bin < format::Calibration::kBins; ++bin) {
     curve.score_permille[bin] = static_cast<std::uint16_t>(std::min(250 + 60 * bin, 980));
@@ -384,7 +411,7 @@ Status writeIndex(const IndexContent& content, const std::string& path) {
   const Models models = sorted(content);
   const std::string fault = faultOf(content, models);
   if (!fault.empty()) return Status::cannotDo("cannot write the index " + path + ": " + fault);
-  const Tables tables = tablesOf(models);
+  const Tables tables = tablesOf(models, content.profile);
   FileBeside file(path);
   writeSections(file, content, models, tables);
   file.replace();
@@ -393,7 +420,7 @@ Status writeIndex(const IndexContent& content, const std::string& path) {
 
 Result<IndexContent> readContent(const Index& index) {
   IndexContent content;
-  content.params = index.descriptorParams();
+  content.profile = index.profile();
   content.directions.assign(index.directions().begin(), index.directions().end());
   content.calibration = index.calibration();
   for (const format::Model& model : index.models()) {

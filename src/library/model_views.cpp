@@ -72,11 +72,9 @@ std::array<std::uint16_t, 3> extentsOf(const ModelView& seen) {
 }
 
 /// The code of what was seen; empty if that is too little.
-std::vector<std::uint8_t> codeOf(const ModelView& seen, Describer& describer) {
+std::vector<std::uint8_t> codeOf(const ModelView& seen, const EncodeView& encode) {
   if (seen.pixels.size() < kLeastPoints) return {};
-  const Described described = describer.describe(seen.image.view(), {seen.pixels.data(), seen.pixels.size()});
-  if (described.status != DescribeStatus::Ok) return {};
-  return {described.bins.begin(), described.bins.end()};
+  return encode(seen.image.view(), {seen.pixels.data(), seen.pixels.size()});
 }
 
 std::int16_t component(Random& random) { return static_cast<std::int16_t>(random.below(2 * 32767 + 1) - 32767); }
@@ -102,12 +100,21 @@ format::Direction drawDirection(Random& random) {
 
 }  // namespace
 
+EncodeView encodeWith(const Profile& profile) {
+  const std::shared_ptr<Encoder> encoder = makeEncoder(profile);
+  return [encoder, bytes = profile.codeBytes()](const DepthView& depth, Span<const std::uint32_t> pixels) {
+    std::vector<std::uint8_t> code(bytes);
+    if (encoder->encode(depth, pixels, code.data()) != DescribeStatus::Ok) code.clear();
+    return code;
+  };
+}
+
 ModelView drawModelView(const RayScene& scene, const std::string& name, int direction) {
   const format::Direction& from = viewDirections()[static_cast<std::size_t>(direction)];
   return lookUntilEnough(scene, from, name, static_cast<std::uint64_t>(direction));
 }
 
-ModelViews makeViews(const Mesh& mesh, const std::string& name, int views_every, Describer& describer) {
+ModelViews makeViews(const Mesh& mesh, const std::string& name, int views_every, const EncodeView& encode) {
   RayScene scene;
   scene.add(mesh, unitPlacement(mesh));
   scene.commit();
@@ -116,7 +123,7 @@ ModelViews makeViews(const Mesh& mesh, const std::string& name, int views_every,
   for (int i = 0; i < kDirections; i += views_every) {
     const ModelView seen = drawModelView(scene, name, i);
     ViewRecord view;
-    view.code = codeOf(seen, describer);
+    view.code = codeOf(seen, encode);
     if (view.code.empty()) continue;
     view.direction = static_cast<std::uint8_t>(i);
     view.points = static_cast<std::uint32_t>(seen.pixels.size());
@@ -125,7 +132,7 @@ ModelViews makeViews(const Mesh& mesh, const std::string& name, int views_every,
   }
   if (made.views.empty()) made.refusal = "shows next to nothing from every direction";
   Random random(seedOf(name, 2 * kCalibrationView * kTries - 1));
-  made.calibration = codeOf(lookUntilEnough(scene, drawDirection(random), name, kCalibrationView), describer);
+  made.calibration = codeOf(lookUntilEnough(scene, drawDirection(random), name, kCalibrationView), encode);
   return made;
 }
 

@@ -2,9 +2,11 @@
 // A mesh becomes the views of an index.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
+#include "voxid/core/encoder.h"
 #include "voxid/library/index_writer.h"
 #include "voxid/library/mesh.h"
 
@@ -19,7 +21,11 @@ struct ModelViews {
   std::string refusal;                    ///< why there are no views
 };
 
+/// What a view is kept as; empty if there is no answer for it.
+using EncodeView = std::function<std::vector<std::uint8_t>(const DepthView& depth, Span<const std::uint32_t> pixels)>;
+EncodeView encodeWith(const Profile& profile);
+
 /// `name` seeds everything that is random: size, distance, roll, noise. Only every n-th direction if `views_every` is n.
-ModelViews makeViews(const Mesh& mesh, const std::string& name, int views_every, Describer& describer);
+ModelViews makeViews(const Mesh& mesh, const std::string& name, int views_every, const EncodeView& encode);
 
 }  // namespace voxid

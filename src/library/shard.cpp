@@ -116,10 +116,10 @@ std::string ShardOrigin::bytes() const {
   return out.text_;
 }
 
-ShardOrigin originOf(const ModelFile& model, const DescriptorParams& params, int views_every) {
+ShardOrigin originOf(const ModelFile& model, const format::Parameters& parameters, int views_every) {
   ShardOrigin origin;
   origin.file = model.file;
-  origin.parameters = parametersOf(params);
+  origin.parameters = parameters;
   origin.views_every = static_cast<std::uint32_t>(views_every);
   struct stat about {};
   if (::stat(model.path.c_str(), &about) == 0) {
@@ -145,8 +145,12 @@ Status writeShard(const std::string& path, const ShardOrigin& origin, const Mode
   for (const ViewRecord& view : views.views) put(out, view);
   out.number(crc32c(out.text_.data(), out.text_.size()));
 
+  return writeWhole(path, out.text_);
+}
+
+Status writeWhole(const std::string& path, const std::string& text) {
   const std::string beside = path + ".new";
-  Status status = writeFile(beside, out.text_);
+  Status status = writeFile(beside, text);
   if (status.ok() && std::rename(beside.c_str(), path.c_str()) != 0) {
     status = Status::cannotDo("cannot write " + path + ": " + std::strerror(errno));
   }

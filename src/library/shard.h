@@ -20,12 +20,15 @@ struct ShardOrigin {
 
   std::string bytes() const;
 };
-ShardOrigin originOf(const ModelFile& model, const DescriptorParams& params, int views_every);
+ShardOrigin originOf(const ModelFile& model, const format::Parameters& parameters, int views_every);
 
 std::string shardPath(const std::string& parts, const ModelFile& model);
 
 /// Written beside and renamed; checked by a sum when read, so a power cut costs a model and nothing else.
 Status writeShard(const std::string& path, const ShardOrigin& origin, const ModelViews& views);
+
+/// Written beside `path` and renamed.
+Status writeWhole(const std::string& path, const std::string& text);
 
 /// CannotDo if there is none of this origin; Damaged if it is not whole.
 Result<ModelViews> readShard(const std::string& path, const ShardOrigin& origin);

@@ -77,6 +77,14 @@ def index(voxid, models, tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
+def paper_index(voxid, models, tmp_path_factory):
+    path = tmp_path_factory.mktemp("paper_index") / "solids.vxi"
+    answer = voxid("build", "--models", models, "--out", path, "--descriptor", "paper", "--jobs", 2)
+    assert answer.code == 0, answer.err
+    return path
+
+
+@pytest.fixture(scope="session")
 def views(voxid, models, tmp_path_factory):
     """Depth images of taught models, by model and direction, with their camera_info.yaml."""
     folder = tmp_path_factory.mktemp("views")

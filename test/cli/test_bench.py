@@ -31,15 +31,15 @@ def test_times_are_positive_and_ratios_are_those_of_the_medians(result):
 
 def test_the_descriptor_stands_beside_esf(result):
     descriptors = rows(result, "descriptor")
-    assert "descriptor/paper" in descriptors
+    assert {"descriptor/paper", "descriptor/default"} <= set(descriptors)
     for row in descriptors.values():
         assert row["peer"] == "pcl::ESFEstimation" and row["peer_median_us"] > 0 and row["objects"] >= 1
-    assert descriptors["descriptor/paper/3000"]["points"] == 3000
+    assert descriptors["descriptor/paper/3000"]["points"] == descriptors["descriptor/default/3000"]["points"] == 3000
 
 
 def test_searches_stand_beside_the_scan(result):
     searches = rows(result, "query")
-    assert {"query/paper", "query/exact", "query/paper_key"} <= set(searches)
+    assert {"query/paper", "query/exact", "query/default"} <= set(searches)
     scan = searches["query/paper"]
     assert scan["gb_per_s"] > 0 and scan["bytes_per_view"] == 416 and scan["peer"] is None
     for name, row in searches.items():
@@ -50,9 +50,16 @@ def test_searches_stand_beside_the_scan(result):
     assert (searches["query/exact"]["recall1"], searches["query/exact"]["recall10"]) == (1, 1)
 
 
-def test_recall_grows_with_what_is_searched(result):
-    curve = rows(result, "query")["query/paper_key"]["curve"]
+def test_the_papers_key_is_measured_in_its_index(voxid, paper_index, queries):
+    curve = rows(bench(voxid, paper_index, queries, "--only", "query").json, "query")["query/paper_key"]["curve"]
     assert [point["radius_bits"] for point in curve] == [0, 2, 4, 6, 8]
+    recalls = [point["recall10"] for point in curve]
+    assert recalls == sorted(recalls)
+
+
+def test_recall_grows_with_what_is_searched(result):
+    curve = rows(result, "query")["query/default"]["curve"]
+    assert [point["lists"] for point in curve] == [4, 8, 16, 24, 32, 48, 64, 128]
     recalls = [point["recall10"] for point in curve]
     assert recalls == sorted(recalls)
 
@@ -73,7 +80,7 @@ def test_only_what_was_asked_for(voxid, index, queries):
 def test_the_table_has_a_line_a_row(voxid, index, queries):
     answer = voxid("bench", "--index", index, "--queries", queries, "--only", "query")
     assert answer.code == 0
-    assert [line.split()[0] for line in answer.out.splitlines()[2:5]] == ["query/paper", "query/exact", "query/paper_key"]
+    assert [line.split()[0] for line in answer.out.splitlines()[2:5]] == ["query/paper", "query/exact", "query/default"]
 
 
 def test_bad_use(voxid, index, queries, tmp_path):

@@ -15,8 +15,17 @@ def test_a_taught_view_is_found_again(voxid, index, views, category, model, dire
     assert answer["pixels"] == np.count_nonzero(cv2.imread(str(image), cv2.IMREAD_UNCHANGED))
 
 
-@pytest.mark.parametrize("options", [[], ["--vote"], ["--1nn"], ["--exact"], ["--radius", 4], ["--radius", 0, "--1nn"]])
+@pytest.mark.parametrize("options", [[], ["--vote"], ["--1nn"], ["--exact"], ["--lists", 4], ["--lists", 1, "--1nn"]])
 def test_alternatives_are_ranked_and_at_least_five(voxid, index, views, options):
+    ranked_and_at_least_five(voxid, index, views, options, 64 * 254**2)
+
+
+@pytest.mark.parametrize("options", [[], ["--radius", 4], ["--radius", 0, "--1nn"]])
+def test_the_papers_alternatives_are_ranked_and_at_least_five(voxid, paper_index, views, options):
+    ranked_and_at_least_five(voxid, paper_index, views, options, 416 * 255)
+
+
+def ranked_and_at_least_five(voxid, index, views, options, farthest):
     answer = voxid("classify", views("rod", "rod_a", 5), "--index", index, "--json", *options).json
     alternatives = answer["alternatives"]
     labels = [a["label"] for a in alternatives]
@@ -25,16 +34,25 @@ def test_alternatives_are_ranked_and_at_least_five(voxid, index, views, options)
     scores = [a["score"] for a in alternatives]
     assert scores == sorted(scores, reverse=True) and 0 <= min(scores) and sum(scores) <= 1.0005
     assert scores[0] == answer["score"]
-    assert all(isinstance(a["distance"], int) and 0 <= a["distance"] <= 106080 for a in alternatives)
+    assert all(isinstance(a["distance"], int) and 0 <= a["distance"] <= farthest for a in alternatives)
     if "--1nn" in options:
         distances = [a["distance"] for a in alternatives]
         assert distances == sorted(distances)
 
 
-def test_bucket_search_with_the_whole_key_space_is_exact(voxid, index, views):
+def test_quick_search_among_everything_is_exact(voxid, index, paper_index, views):
     image = views("cube", "cube_b", 9)
-    exact = voxid("classify", image, "--index", index, "--json", "--exact").json
-    assert voxid("classify", image, "--index", index, "--json", "--radius", 52).json == exact
+    for file, everything in [(paper_index, ["--radius", 52]), (index, ["--lists", 65536])]:
+        exact = voxid("classify", image, "--index", file, "--json", "--exact").json
+        found = voxid("classify", image, "--index", file, "--json", *everything).json
+        assert found["alternatives"][:3] == exact["alternatives"][:3] and found["label"] == exact["label"]
+
+
+def test_a_search_of_the_other_descriptor_is_refused(voxid, index, paper_index, views):
+    image = views("cube", "cube_b", 9)
+    voxid("classify", image, "--index", index, "--radius", 4).refuses(2, "--radius", "--lists")
+    voxid("classify", image, "--index", paper_index, "--lists", 4).refuses(2, "--lists", "--radius")
+    voxid("classify", image, "--index", index, "--lists", 4, "--radius", 4).refuses(2, "--lists", "--radius")
 
 
 def test_several_files_give_a_line_each_in_their_order(voxid, index, views):

@@ -51,13 +51,13 @@ def test_objects_that_stand_alone_are_asked_for(voxid, index, scenes):
     assert (result["scenes"], result["objects"], result["segmented"]) == (2, 2, 2)
     assert result["left_out"] == {"unicorn": 1}
     rows = by_key(result)
-    assert set(rows) == {("paper", mask, "all") for mask in ("true", "own")}
+    assert set(rows) == {("default", mask, "all") for mask in ("true", "own")}
     for row in rows.values():
         assert row["objects"] == 2
         assert {c["class"]: c["objects"] for c in row["classes"]} == {"cube": 1, "tin": 1}
         assert row["mean_category"] == pytest.approx(sum(c["top1"] for c in row["classes"]) / 2)
         assert row["top5"] == 100  # five of six categories
-    assert rows["paper", "true", "all"]["top1"] >= 50
+    assert rows["default", "true", "all"]["top1"] >= 50
 
 
 def test_listed_categories_alone_are_answers(voxid, index, scenes, tmp_path):
@@ -65,7 +65,7 @@ def test_listed_categories_alone_are_answers(voxid, index, scenes, tmp_path):
     chosen.write_text("cube\r\n\nunicorn\n")
     rows = by_key(evaluate(voxid, index, scenes, "--categories", chosen).json)
     assert {key[2] for key in rows} == {"all", "listed"}
-    listed = rows["paper", "true", "listed"]
+    listed = rows["default", "true", "listed"]
     assert listed["top1"] == listed["top5"] == 50
     assert {c["class"]: c["mostly_taken_for"] for c in listed["classes"]} == {"cube": "", "tin": "cube"}
 
@@ -73,13 +73,13 @@ def test_listed_categories_alone_are_answers(voxid, index, scenes, tmp_path):
 def test_esf_stands_beside_on_the_same_views(voxid, index, scenes, models):
     result = evaluate(voxid, index, scenes, "--compare", "--models", models, "--every", 8).json
     assert result["every"] == 8
-    assert {(d, "true", "all") for d in ("esf", "d2", "paper")} <= set(by_key(result))
+    assert {(d, "true", "all") for d in ("esf", "d2", "paper", "default")} <= set(by_key(result))
 
 
 def test_the_table_names_what_was_left_out(voxid, index, scenes):
     answer = voxid("eval", "--index", index, "--scenes", scenes, "--aliases", scenes / "aliases.json")
     assert answer.code == 0
-    assert "left out: unicorn, 1 objects" in answer.out and "paper, mask own" in answer.out
+    assert "left out: unicorn, 1 objects" in answer.out and "default, mask own" in answer.out
 
 
 def test_bad_use_and_bad_files(voxid, index, scenes, queries, tmp_path):

@@ -19,8 +19,8 @@ def test_info(voxid, index):
     assert (line["models"], line["views"], line["categories"]) == (7, 560, 6)
     assert line["bytes"] == index.stat().st_size
     assert line["bytes_per_view"] == pytest.approx(line["bytes"] / 560)
-    assert line["descriptor"] == "paper" and line["version"] == "1.0" and line["code_bytes"] == 416
-    assert (line["pairs"], line["seed"]) == (10000, 1)
+    assert line["descriptor"] == "default" and line["version"] == "1.1" and line["code_bytes"] == 64
+    assert line["seed"] == 1
     assert 0 < line["buckets"] <= 560
     assert sum(entry["models"] for entry in line["licences"]) == 7
     assert "category_list" not in line
@@ -31,12 +31,18 @@ def test_info(voxid, index):
     assert "cube" in voxid("info", index, "--categories").out
 
 
+def test_info_of_the_papers_descriptor(voxid, paper_index):
+    line = voxid("info", paper_index, "--json").json
+    assert line["descriptor"] == "paper" and line["version"] == "1.0" and line["code_bytes"] == 416
+    assert (line["pairs"], line["seed"]) == (10000, 1)
+
+
 def test_eval_counts_right_answers(voxid, index, queries):
     result = voxid("eval", "--index", index, "--queries", queries, "--json").json
     assert result["queries"] == 6
     assert [row["method"] for row in result["rows"]] == ["1nn", "vote"]
     nearest = result["rows"][0]
-    assert nearest["descriptor"] == "paper"
+    assert nearest["descriptor"] == "default"
     assert nearest["top1"] == pytest.approx(100 * 5 / 6, abs=0.01)
     assert nearest["mean_category"] == pytest.approx(100 * 4 / 5, abs=0.01)
     assert nearest["top5"] == pytest.approx(100 * 5 / 6, abs=0.01)
@@ -59,7 +65,7 @@ def test_every_takes_each_nth(voxid, index, queries):
 def test_the_table_has_a_row_a_method(voxid, index, queries, tmp_path):
     answer = voxid("eval", "--index", index, "--queries", queries, "--confusion", tmp_path / "c.png")
     assert (answer.code, answer.err) == (0, "")
-    assert [line.split()[:2] for line in answer.out.splitlines()[2:]] == [["paper", "1nn"], ["paper", "vote"]]
+    assert [line.split()[:2] for line in answer.out.splitlines()[2:]] == [["default", "1nn"], ["default", "vote"]]
     assert "83.33" in answer.out
     picture = cv2.imread(str(tmp_path / "c.png"))
     assert picture.shape[0] == picture.shape[1] > 120
@@ -101,7 +107,7 @@ def test_compare_has_a_row_a_descriptor_and_method(comparison):
     assert (comparison["queries"], comparison["views"], comparison["every"]) == (6, 70, 8)
     names = [(row["descriptor"], row["method"]) for row in comparison["rows"]]
     assert len(set(names)) == len(names)
-    assert {(d, m) for d in ("esf", "d2", "paper_float", "paper") for m in ("1nn", "vote")} <= set(names)
+    assert {(d, m) for d in ("esf", "d2", "paper_float", "paper", "default") for m in ("1nn", "vote")} <= set(names)
     for row in comparison["rows"]:
         assert 0 <= row["mean_category"] <= 100 and row["top1"] <= row["top5"] <= 100
         assert row["us_per_query"] > 0
@@ -119,13 +125,14 @@ def test_differences_are_those_of_the_rows(comparison):
             assert row["minus_esf"] == pytest.approx(row["top1"] - top1["esf", row["method"]], abs=0.02)
 
 
-def test_the_papers_row_is_what_the_index_says(voxid, models, queries, comparison, tmp_path):
+@pytest.mark.parametrize("descriptor", ["paper", "default"])
+def test_a_row_is_what_the_index_says(voxid, models, queries, comparison, tmp_path, descriptor):
     """The same views from `build` and from `--compare` give the same answers."""
     built = tmp_path / "every8.vxi"
-    assert voxid("build", "--models", models, "--out", built, "--views-every", 8).code == 0
+    assert voxid("build", "--models", models, "--out", built, "--views-every", 8, "--descriptor", descriptor).code == 0
     own = {row["method"]: row for row in voxid("eval", "--index", built, "--queries", queries, "--json").json["rows"]}
     for row in comparison["rows"]:
-        if row["descriptor"] == "paper":
+        if row["descriptor"] == descriptor:
             assert all(row[field] == own[row["method"]][field] for field in ("top1", "mean_category", "top5", "top1_95"))
 
 

@@ -8,7 +8,9 @@
 
 #include "core/clouds.h"
 #include "core/index_fixture.h"
+#include "core/projection_fixture.h"
 #include "voxid/core/classifier.h"
+#include "voxid/core/encoder.h"
 #include "voxid/core/search.h"
 
 namespace {
@@ -48,6 +50,34 @@ TEST(Allocation, DescribeTakesNone) {
               (void)describer.describe(test::spanOf(mug));
               (void)describer.describe(test::spanOf(many));
               (void)describer.describe(view, {pixels.data(), pixels.size()});
+            }),
+            0);
+}
+
+TEST(Allocation, TheDefaultProfileTakesNone) {
+  test::Folder folder;
+  IndexContent content = test::randomContent(30, 2, 8, 1);
+  content.profile.projection = test::projectionOf(test::randomProjectionContent(64, 40, 1));
+  test::Random random(2);
+  for (ModelRecord& model : content.models) {
+    for (ViewRecord& view : model.views) {
+      view.code.resize(64);
+      for (std::uint8_t& number : view.code) number = static_cast<std::uint8_t>(random.bits());
+    }
+  }
+  const auto index = test::writtenIndex(folder, content);
+  const auto encoder = makeEncoder(index->profile());
+  const auto exact = makeExactSearch(index), lists = makeListSearch(index, 3);
+  const std::vector<std::uint16_t> depth(640 * 480, 800);
+  std::vector<std::uint32_t> pixels(80000);
+  for (std::uint32_t i = 0; i < pixels.size(); ++i) pixels[i] = i;
+  const DepthView view{depth.data(), 640, 480, 1280, DepthUnit::MillimetreU16, Camera::fromPixels(525, 525, 320, 240)};
+  std::vector<std::uint8_t> code(64);
+  EXPECT_EQ(allocationsIn([&] {
+              EXPECT_EQ(encoder->encode(view, {pixels.data(), pixels.size()}, code.data()), DescribeStatus::Ok);
+              for (Search* const search : {exact.get(), lists.get()}) {
+                (void)classify(*index, search->find(code.data(), 1), ClassifyMethod::Vote, 0);
+              }
             }),
             0);
 }

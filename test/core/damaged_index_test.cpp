@@ -79,9 +79,9 @@ void useIt(const std::shared_ptr<const Index>& index) {
       EXPECT_LE(answer.score_permille, 1000);
       for (int i = 0; i < answer.count; ++i) {
         EXPECT_LT(answer.alternatives[i].category, index->categories().size);
-        EXPECT_LT(answer.alternatives[i].view, index->views().size);
+        EXPECT_LT(answer.alternatives[i].view, index->viewCount());
         index->categoryName(answer.alternatives[i].category);
-        index->modelName(index->views()[answer.alternatives[i].view].model);
+        index->modelName(index->view(answer.alternatives[i].view).model);
       }
     }
   }

@@ -70,7 +70,7 @@ inline IndexContent randomContent(int categories, int models, int views, std::ui
   Random random(seed);
   IndexContent content;
   content.directions = someDirections(views);
-  content.calibration = builtInCalibration();
+  content.calibration = builtInCalibration({});
   for (int i = 0; i < categories * models; ++i) {
     const int shuffled = i * 7919 % (categories * models);
     ModelRecord model;

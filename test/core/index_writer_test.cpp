@@ -37,7 +37,7 @@ std::string bytesOf(const IndexContent& content) {
 // The content of test/data/golden/v1.vxi, by integer formulas.
 IndexContent goldenContent() {
   IndexContent content;
-  content.params = {5000, 7};
+  content.profile.params = {5000, 7};
   content.directions = test::someDirections(4);
   for (int bin = 0; bin < format::Calibration::kBins; ++bin) {
     content.calibration.score_permille[bin] = static_cast<std::uint16_t>(20 * bin);
@@ -68,7 +68,7 @@ TEST(WriteIndex, GoldenFileOfVersion1) {
   EXPECT_TRUE(index->verify().ok());
   ASSERT_EQ(index->models().size, 3u);
   EXPECT_EQ(index->modelName(2), "\xc3\xa4");
-  EXPECT_EQ(index->views()[4].direction, 2);
+  EXPECT_EQ(index->view(4).direction, 2);
 }
 
 TEST(WriteIndex, OrderOfModelsDoesNotMatter) {
@@ -129,7 +129,7 @@ TEST(WriteIndex, RefusesWhatAReaderCouldNotRelyOn) {
   expectRefused(spoilt([](IndexContent& c) { c.models[0].views[1].direction = 2; }), "direction is not in the list");
   expectRefused(spoilt([](IndexContent& c) { c.models[0].views[1].code.pop_back(); }), "code of 415 bytes");
   expectRefused(spoilt([](IndexContent& c) { c.calibration.score_permille[0] = 1000; }), "calibration");
-  expectRefused(spoilt([](IndexContent& c) { c.params.pairs = 0; }), "pairs");
+  expectRefused(spoilt([](IndexContent& c) { c.profile.params.pairs = 0; }), "pairs");
   expectRefused(spoilt([](IndexContent& c) { c.directions.resize(257); }), "256 directions");
 }
 
@@ -162,7 +162,7 @@ TEST(WriteIndex, AFullDiskLeavesTheOldFileAndNothingElse) {
 }
 
 TEST(BuiltInCalibration, Rises) {
-  const format::Calibration curve = builtInCalibration();
+  const format::Calibration curve = builtInCalibration({});
   EXPECT_EQ(curve.samples, 0u);
   EXPECT_TRUE(std::is_sorted(std::begin(curve.score_permille), std::end(curve.score_permille)));
   EXPECT_GT(curve.score_permille[0], 0);

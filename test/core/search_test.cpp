@@ -38,11 +38,11 @@ template <typename Counts>
 Expected bruteForce(const Index& index, const Code& code, Counts counts) {
   Neighbours all;
   std::map<std::uint32_t, std::pair<std::uint32_t, std::uint32_t>> best;
-  for (std::uint32_t view = 0; view < index.views().size; ++view) {
+  for (std::uint32_t view = 0; view < index.viewCount(); ++view) {
     if (!counts(view)) continue;
     const std::pair<std::uint32_t, std::uint32_t> found{slowDistance(code, index.code(view)), view};
     all.push_back(found);
-    const std::uint32_t category = index.models()[index.views()[view].model].category;
+    const std::uint32_t category = index.models()[index.modelOf(view)].category;
     const auto entry = best.emplace(category, found).first;
     entry->second = std::min(entry->second, found);
   }
@@ -66,7 +66,7 @@ class SearchTest : public testing::Test {
     return test::writtenIndex(folder_, test::randomContent(categories, models, views, 11));
   }
   Code query() { return test::randomCode(random_); }
-  std::uint32_t modelOf(const Index& index, std::uint32_t view) { return index.views()[view].model; }
+  std::uint32_t modelOf(const Index& index, std::uint32_t view) { return index.modelOf(view); }
 
   test::Folder folder_;
   test::Random random_{12};

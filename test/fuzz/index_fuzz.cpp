@@ -23,9 +23,9 @@ void search(const std::shared_ptr<const Index>& index) {
     const Answer answer = classify(*index, search->find(code.data()), ClassifyMethod::Vote, 0);
     for (int i = 0; i < answer.count; ++i) {
       const Alternative& alternative = answer.alternatives[static_cast<std::size_t>(i)];
-      if (alternative.view >= index->views().size) std::abort();
+      if (alternative.view >= index->viewCount()) std::abort();
       index->categoryName(alternative.category);
-      index->modelName(index->views()[alternative.view].model);
+      index->modelName(index->modelOf(alternative.view));
     }
   }
 }

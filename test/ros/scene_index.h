@@ -45,7 +45,7 @@ inline void writeSceneIndex(const std::string& path, const std::string& box_labe
       modelOf(box_label, "box-7", 2883344, describer.describe(depth, scene.clusters[box_first ? 0 : 1].pixels).bins));
   content.models.push_back(
       modelOf("ball", "ball-3", 2778669, describer.describe(depth, scene.clusters[box_first ? 1 : 0].pixels).bins));
-  content.calibration = builtInCalibration();
+  content.calibration = builtInCalibration({});
   const Status written = writeIndex(content, path);
   if (!written.ok()) throw std::runtime_error(written.sentence);
 }

@@ -6,10 +6,12 @@ namespace voxid {
 
 /// How objects are named.
 struct ClassifyParams {
-  /// Compare with every view instead of the hash table's buckets only: exact, and some ten times the time at 240,000 views.
+  /// Compare with every view instead of the nearest buckets or lists only: exact, and some ten times the time at 240,000 views.
   bool exact = true;
-  /// Hamming radius of the bucket search (Sec. IV.B, k = 4). Larger finds more and costs more. [0 to 52]
+  /// Hamming radius of the bucket search (Sec. IV.B, k = 4), in an index of descriptor paper. Larger finds more and costs more. [0 to 52]
   int radius_bits = 4;
+  /// Nearest lists that are compared, in an index of descriptor default. More find more and cost more. [1 to 65536]
+  int lists = 32;
   /// Let the ten nearest views vote instead of taking the nearest alone.
   bool vote = true;
   /// Below this score the label is left empty; alternatives stay. [0 to 1000]
@@ -21,6 +23,7 @@ template <typename Visit>
 void visitParams(ClassifyParams& params, Visit visit) {
   visit("exact", params.exact, false, true);
   visit("radius_bits", params.radius_bits, 0, 52);
+  visit("lists", params.lists, 1, 65536);
   visit("vote", params.vote, false, true);
   visit("min_score_permille", params.min_score_permille, 0, 1000);
 }

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "voxid/core/descriptor.h"
+#include "voxid/core/encoder.h"
 #include "voxid/core/index_format.h"
 #include "voxid/core/key.h"
 #include "voxid/core/span.h"
@@ -35,10 +36,18 @@ class Index {
   std::uint64_t bytes() const { return header_->file_bytes; }
   const format::Parameters& parameters() const { return *parameters_; }
   DescriptorParams descriptorParams() const { return {parameters_->pairs, parameters_->seed}; }
+  /// How its codes were made; a query is to be made alike.
+  Profile profile() const { return {descriptorParams(), projection_}; }
+  /// Null in an index of profile "paper".
+  const std::shared_ptr<const Projection>& projection() const { return projection_; }
 
   Span<const format::Category> categories() const { return categories_; }
   Span<const format::Model> models() const { return models_; }
-  Span<const format::View> views() const { return views_; }
+  std::uint32_t viewCount() const { return header_->views; }
+  /// A view, `i` below viewCount(). "default" stores its extents in 1/255 and not how many pixels it had (zero).
+  format::View view(std::uint32_t i) const;
+  /// view(i).model alone. In a damaged file any number.
+  std::uint32_t modelOf(std::uint32_t view) const;
   Span<const format::Direction> directions() const { return directions_; }
   const format::Calibration& calibration() const { return *calibration_; }
 
@@ -81,7 +90,9 @@ class Index {
   const format::Calibration* calibration_ = nullptr;
   Span<const format::Category> categories_;
   Span<const format::Model> models_;
-  Span<const format::View> views_;
+  std::shared_ptr<const Projection> projection_;
+  Span<const format::View> views_;             // of "paper"
+  Span<const format::ShortView> short_views_;  // of "default"
   Span<const format::Direction> directions_;
   const std::uint8_t* codes_ = nullptr;
   Span<const Key> keys_;
@@ -90,6 +101,11 @@ class Index {
 };
 
 /// What the descriptor's settings look like in a file; a query made with others is refused.
-format::Parameters parametersOf(const DescriptorParams& params);
+format::Parameters parametersOf(const Profile& profile);
+
+/// Between two codes: L1 of "paper", squared Euclidean of "default".
+std::uint32_t codeDistance(const Profile& profile, const std::uint8_t* a, const std::uint8_t* b);
+/// What a code is sorted into buckets by: the paper's key, or the number of its list.
+Key bucketKeyOf(const Profile& profile, const std::uint8_t* code);
 
 }  // namespace voxid

@@ -9,7 +9,7 @@ namespace voxid::format {
 
 constexpr char kMagic[8] = {'V', 'O', 'X', 'I', 'D', 'X', '\r', '\n'};  ///< a copy in text mode breaks it
 constexpr std::uint16_t kMajor = 1;                                     ///< a reader refuses any other
-constexpr std::uint16_t kMinor = 0;                                     ///< higher minors only add sections
+constexpr std::uint16_t kMinor = 1;                                     ///< 1 in files of profile "default", 0 in "paper"
 constexpr std::uint64_t kAlignment = 64;
 constexpr std::uint32_t kMaxSections = 64;
 
@@ -35,11 +35,12 @@ static_assert(sizeof(Section) == 32, "section entry is 32 bytes");
 
 /// PARM, once: the descriptor's settings.
 struct Parameters {
-  char profile[16];           ///< "paper", NUL-padded
+  char profile[16];           ///< "paper" or "default", NUL-padded
   std::uint32_t revision;     ///< of the descriptor's bytes; a change of any output byte raises it
   std::uint32_t pairs, seed;  ///< DescriptorParams
   std::uint32_t code_bytes;   ///< bytes a view in CODE
-  std::uint8_t zero[32];
+  std::uint32_t projection_crc32c;  ///< of PROJ; zero in "paper"
+  std::uint8_t zero[28];
 };
 static_assert(sizeof(Parameters) == 64, "PARM is 64 bytes");
 
@@ -67,7 +68,7 @@ struct Direction {
 };
 static_assert(sizeof(Direction) == 16, "DIRS entry is 16 bytes");
 
-/// VIEW, sorted by model, then direction.
+/// VIEW, sorted by model, then direction. In "paper".
 struct View {
   std::uint32_t model;
   std::uint16_t extents[3];  ///< of the visible points along the camera's x, y, z, in 1/65,535 of the model's diagonal
@@ -77,8 +78,32 @@ struct View {
 };
 static_assert(sizeof(View) == 16, "VIEW entry is 16 bytes");
 
-/// CODE: code_bytes a view, in the order of VIEW.
-/// KEYS: the distinct 52-bit keys, ascending, 8 bytes each. BKTO: buckets + 1 offsets into BKTV, 4 bytes each.
+/// VIE4, in "default": the same order, and short; the model follows from MODL.
+struct ShortView {
+  std::uint8_t direction;
+  std::uint8_t extents[3];  ///< as in View, in 1/255
+};
+static_assert(sizeof(ShortView) == 4, "VIE4 entry is 4 bytes");
+
+/// PROJ, once, in "default": a projection file as it is. After this header: matrix (int8, code_bytes rows of `bins`),
+/// bias and factor (int32 each, code_bytes of them), centroids (`lists` codes), a Calibration.
+struct Projection {
+  char magic[8];
+  std::uint32_t version;           ///< kProjectionVersion; a reader refuses any other
+  std::uint32_t revision;          ///< of the depth descriptor
+  std::uint32_t pairs, seed;       ///< of the depth descriptor
+  std::uint32_t bins, code_bytes;  ///< from, to
+  std::uint32_t lists;
+  std::uint32_t views, models, categories;  ///< that it was learnt from
+  std::uint32_t crc32c;                     ///< of the whole, this field zero
+  std::uint8_t zero[12];
+};
+static_assert(sizeof(Projection) == 64, "a projection's header is 64 bytes");
+constexpr char kProjectionMagic[8] = {'V', 'O', 'X', 'I', 'D', 'P', '\r', '\n'};
+constexpr std::uint32_t kProjectionVersion = 1;
+
+/// CODE: code_bytes a view, in the order of the views.
+/// KEYS: the distinct 52-bit keys ("default": numbers of lists), ascending, 8 bytes each. BKTO: buckets + 1 offsets into BKTV, 4 bytes each.
 /// BKTV: view numbers by bucket, ascending inside a bucket, 4 bytes each.
 
 /// CALB, once: the share of right labels by margin, measured with the query's own model left out.

@@ -5,13 +5,14 @@
 #include <memory>
 #include <vector>
 
+#include "voxid/core/classify_params.h"
 #include "voxid/core/index.h"
 
 namespace voxid {
 
 struct Neighbour {
   std::uint32_t view = 0;
-  std::uint32_t distance = 0;  ///< L1, 0 to 106,080
+  std::uint32_t distance = 0;  ///< of the index's profile: L1, 0 to 106,080, or squared Euclidean, 0 to 4,129,024
 };
 /// Nearer first; the lower view number wins a tie, so that the order never depends on how the search went.
 inline bool operator<(Neighbour a, Neighbour b) {
@@ -22,7 +23,7 @@ inline bool operator<(Neighbour a, Neighbour b) {
 struct Nearest {
   Span<const Neighbour> views;       ///< the nearest views, at most `kNearestViews`
   Span<const Neighbour> categories;  ///< of each category that was met, its nearest view
-  std::uint32_t scanned = 0;         ///< descriptors compared
+  std::uint32_t scanned = 0;         ///< codes compared
 };
 constexpr int kNearestViews = 20;
 
@@ -38,8 +39,28 @@ class Search {
 /// Compares with every view: the definition that every other search is measured against.
 std::unique_ptr<Search> makeExactSearch(std::shared_ptr<const Index> index);
 
-/// The paper's locality-sensitive hashing (Sec. IV.B): the buckets whose keys lie within `radius` bits of the query's
+/// The paper's locality-sensitive hashing (Sec. IV.B), for an index of profile "paper": the buckets whose keys lie within `radius` bits of the query's
 /// are compared in full. The ball grows by two bits until it holds at least five categories (or everything).
 std::unique_ptr<Search> makeLshSearch(std::shared_ptr<const Index> index, int radius_bits);
+
+/// The learnt hash of profile "default": the `lists` lists whose centroids lie nearest the query are compared in full,
+/// more of them, twice as many each time, until five categories are met (or everything was compared). Of the categories
+/// those are given that the nearest kListPool views belong to. The recall of a number of lists: doc/benchmarks.md.
+std::unique_ptr<Search> makeListSearch(std::shared_ptr<const Index> index, int lists);
+constexpr int kListPool = 256;
+
+/// Exact, or the hash search of the index's profile.
+struct SearchParams {
+  bool exact = true;
+  int radius_bits = 4;  ///< "paper": 0 to 52, clamped
+  int lists = 32;       ///< "default": 1 to 65,536, clamped
+};
+inline bool operator==(const SearchParams& a, const SearchParams& b) {
+  return a.exact == b.exact && a.radius_bits == b.radius_bits && a.lists == b.lists;
+}
+inline SearchParams searchParamsOf(const ClassifyParams& params) {
+  return {params.exact, params.radius_bits, params.lists};
+}
+std::unique_ptr<Search> makeSearch(std::shared_ptr<const Index> index, const SearchParams& params);
 
 }  // namespace voxid

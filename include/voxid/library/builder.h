@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "voxid/core/descriptor.h"
+#include "voxid/core/encoder.h"
 #include "voxid/core/status.h"
 #include "voxid/library/mesh_reader.h"
 
@@ -17,7 +17,7 @@ struct BuildOptions {
   int jobs = 1;        ///< worker processes; the bytes of the index do not depend on it
   bool resume = false;   ///< take what an interrupted build of the same models and settings left in <out>.parts
   int views_every = 1;   ///< take every n-th of the 80 directions; 4 gives the 20 of the plain icosahedron
-  DescriptorParams params;
+  Profile profile;       ///< that views are described with
   MeshReaderLimits mesh_limits;
 };
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "voxid/core/descriptor.h"
+#include "voxid/core/encoder.h"
 #include "voxid/core/index.h"
 #include "voxid/core/index_format.h"
 #include "voxid/core/status.h"
@@ -16,8 +16,8 @@ namespace voxid {
 /// One view of a model, as it goes into the index.
 struct ViewRecord {
   std::uint8_t direction = 0;              ///< index into IndexContent::directions
-  std::uint32_t points = 0;                ///< visible pixels
-  std::array<std::uint16_t, 3> extents{};  ///< as in format::View
+  std::uint32_t points = 0;                ///< visible pixels; "default" does not store them
+  std::array<std::uint16_t, 3> extents{};  ///< as in format::View; "default" stores the highest eight bits
   std::vector<std::uint8_t> code;          ///< code_bytes
 };
 
@@ -30,15 +30,15 @@ struct ModelRecord {
 
 /// Everything an index holds, in memory. The order of `models` does not matter: writing sorts by category and name.
 struct IndexContent {
-  DescriptorParams params;
+  Profile profile;                            ///< that the views' codes were made with
   std::vector<format::Direction> directions;  ///< at most 256; what the views' directions refer to
   std::vector<ModelRecord> models;
   format::Calibration calibration{};
 };
 
-/// The curve that is used where a library is too small to learn its own (fewer than 200 calibration queries); measured
-/// on models/train (doc/descriptor.md).
-format::Calibration builtInCalibration();
+/// The curve that is used where a library is too small to learn its own (fewer than 200 calibration queries): that of
+/// the projection, or for "paper" one measured on models/train (doc/descriptor.md).
+format::Calibration builtInCalibration(const Profile& profile);
 
 /// Writes a .vxi file beside `path`, fsyncs and renames: readers see the old file or the new one, whole. The bytes
 /// depend on the content only. Refuses (CannotDo) what a reader could not rely on: no model at all, a model without a

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Squared Euclidean distances between projected codes: 32 or 64 signed bytes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace voxid {
+
+/// From `query` to `count` codes one after another.
+void squaredDistances(const std::uint8_t* query, const std::uint8_t* codes, std::size_t count, std::size_t code_bytes,
+                      std::uint32_t* distances);
+
+/// From `query` to the codes that `rows` number.
+void squaredDistancesAt(const std::uint8_t* query, const std::uint8_t* codes, const std::uint32_t* rows,
+                        std::size_t count, std::size_t code_bytes, std::uint32_t* distances);
+
+}  // namespace voxid

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// doc/descriptor.md gives the definition, the range of every integer here and the reason of every choice.
+#include "voxid/core/depth_descriptor.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <utility>
+
+#include "depth_patch.h"
+#include "even_choice.h"
+#include "normaliser.h"
+#include "pair_sampler.h"
+
+namespace voxid {
+namespace {
+
+enum Histogram {
+  kDistance, kLineParts, kLineKind, kLinePart, kSag, kNormals, kNormalsAndLine, kConvexity, kLineSlope, kAngleOfThree,
+  kAreaOfThree, kRadius, kRadiusSlope, kRadiusAlong, kSlope, kSlopeDepth
+};
+
+// ---- small scales ----------------------------------------------------------------------------------------------
+
+// 1024 cos(pi k / 64).
+constexpr std::array<std::int16_t, 33> kCosines{1024, 1023, 1019, 1013, 1004, 993, 980, 964, 946, 926, 903,
+                                                878,  851,  822,  792,  759,  724, 688, 650, 610, 569, 526,
+                                                483,  438,  392,  345,  297,  249, 200, 150, 100, 50,  0};
+
+int cosine(int k) { return k <= 32 ? kCosines[static_cast<std::size_t>(k)] : -kCosines[static_cast<std::size_t>(64 - k)]; }
+
+// The angle of a cosine x 1024, in 64 equal parts of 180 degrees.
+class AngleTable {
+ public:
+  AngleTable() {
+    int part = 0;
+    for (int c = 1024; c >= -1024; --c) {
+      while (part < 63 && c <= cosine(part + 1)) ++part;
+      parts_[static_cast<std::size_t>(c + 1024)] = static_cast<std::uint8_t>(part);
+    }
+  }
+  int partOf(std::int32_t cosine_q10) const {
+    return parts_[static_cast<std::size_t>(std::min(std::max(cosine_q10, -1024), 1024) + 1024)];
+  }
+
+ private:
+  std::array<std::uint8_t, 2049> parts_;
+};
+
+// floor(sqrt(i)).
+constexpr int kDistanceParts = 64;
+class RootTable {
+ public:
+  RootTable() {
+    for (int root = 0, i = 0; root < kDistanceParts; ++root) {
+      for (; i < (root + 1) * (root + 1); ++i) roots_[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(root);
+    }
+  }
+  // The distance in 1/64 of D; the last part takes what is farther.
+  int partOf(std::uint32_t squared_units) const {
+    const std::uint32_t squared_parts = squared_units >> 12;
+    return squared_parts < roots_.size() ? roots_[squared_parts] : kDistanceParts - 1;
+  }
+
+ private:
+  std::array<std::uint8_t, kDistanceParts * kDistanceParts> roots_;
+};
+
+// None, up to a third, up to two thirds, more of the 16 samples of a line.
+constexpr std::array<std::uint8_t, 17> kThirds{0, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 3, 3, 3, 3, 3, 3};
+
+// ---- geometry --------------------------------------------------------------------------------------------------
+
+Direction1024 normalOf(const SurfaceCell& cell) { return {cell.nx, cell.ny, cell.nz}; }
+
+std::int32_t cosineOf(const Direction1024& a, const Direction1024& b) { return (a.x * b.x + a.y * b.y + a.z * b.z) / 1024; }
+
+struct Offset {
+  std::int32_t x, y, z;  // |.| < 2^14
+};
+Offset between(const SurfaceCell& from, const SurfaceCell& to) { return {to.x - from.x, to.y - from.y, to.z - from.z}; }
+
+std::uint32_t squared(const Offset& o) { return static_cast<std::uint32_t>(o.x * o.x + o.y * o.y + o.z * o.z); }
+
+// Twice the area of a triangle, squared: components below 2^29, their squares sum to less than 2^60.
+std::uint64_t squaredCross(const Offset& a, const Offset& b) {
+  const std::int64_t x = std::int64_t{a.y} * b.z - std::int64_t{a.z} * b.y;
+  const std::int64_t y = std::int64_t{a.z} * b.x - std::int64_t{a.x} * b.z;
+  const std::int64_t z = std::int64_t{a.x} * b.y - std::int64_t{a.y} * b.x;
+  return static_cast<std::uint64_t>(x * x + y * y + z * z);
+}
+
+// Sixty-four equal steps of the logarithm, from (D / 64)^2 to D^2 for an area whose square is given.
+int areaPart(std::uint64_t squared_area) {
+  if (squared_area < 16) return 0;
+  const int high = 63 - __builtin_clzll(squared_area);
+  const int quarters = 4 * high + static_cast<int>(squared_area >> (high - 2) & 3);
+  return std::min(std::max((quarters - 4 * 24) * 2 / 3, 0), 63);
+}
+
+// ---- the line in the depth image -------------------------------------------------------------------------------
+
+constexpr int kSamples = 16;
+
+// What the samples of a line meet. They add up to kSamples.
+struct LineParts {
+  std::array<std::uint8_t, 4> samples{};  // on the surface, in front of it, behind it, outside the object
+  std::int32_t sag = 0;                   // mean of (line's w - surface's w) where a surface is seen
+};
+enum Part { kOn, kInFront, kBehind, kOutside };
+
+LineParts walk(const DepthPatch& patch, const SurfaceCell& a, const SurfaceCell& b) {
+  const std::int32_t tolerance = patch.tolerance();
+  const std::int16_t* const surface = patch.rows();
+  const std::int32_t dc = b.column - a.column, dr = b.row - a.row, dw = b.w - a.w;
+  // Sample k lies at t = (2 k + 1) / 32.
+  std::int32_t c = 32 * a.column + dc + 16, r = 32 * a.row + dr + 16, w = 32 * a.w + dw;
+  std::uint32_t counts = 0;
+  std::int32_t sag = 0;
+  for (int k = 0; k < kSamples; ++k, c += 2 * dc, r += 2 * dr, w += 2 * dw) {
+    const std::int32_t seen = surface[(r >> 5) * DepthPatch::kSide + (c >> 5)];
+    const std::int32_t depth = (w >> 5) - seen;
+    const bool hole = seen == DepthPatch::kHole;
+    const int part = hole ? kOutside : depth > tolerance ? kBehind : depth < -tolerance ? kInFront : kOn;
+    counts += 1u << (8 * part);
+    sag += hole ? 0 : depth;
+  }
+  LineParts parts;
+  for (int part = 0; part < 4; ++part) parts.samples[static_cast<std::size_t>(part)] = static_cast<std::uint8_t>(counts >> (8 * part));
+  const int met = kSamples - parts.samples[kOutside];
+  parts.sag = met == 0 ? 0 : sag / met;
+  return parts;
+}
+
+int kindOf(const LineParts& line) {
+  return static_cast<int>(std::max_element(line.samples.begin(), line.samples.end()) - line.samples.begin());
+}
+
+// round(255 sqrt(count / all)).
+std::uint8_t rootOfShare(std::uint64_t count, std::uint64_t all) {
+  return static_cast<std::uint8_t>((squareRoot(count * 260100 / all) + 1) / 2);
+}
+
+}  // namespace
+
+struct DepthDescriber::Workspace {
+  DescriptorParams params;
+  AngleTable angles;
+  RootTable roots;
+  DepthPatch patch;
+  std::array<DepthPatch::Pixel, kMaxPoints> pixels;
+  std::array<PointUm, kMaxPoints> points;
+  std::array<std::uint32_t, kDepthBins> counts;
+
+  DescribeStatus draw(const DepthView& depth, Span<const std::uint32_t> chosen);
+  void count(Histogram histogram, int bin) { ++counts[kDepthHistograms[histogram].first_bin + static_cast<std::size_t>(bin)]; }
+  void countCells();
+  void countCell(const SurfaceCell& cell);
+  void countPairs();
+  void countPair(const SurfaceCell& a, const SurfaceCell& b);
+  void countLine(const LineParts& line, int distance);
+  void countNormals(const SurfaceCell& a, const SurfaceCell& b, const Offset& line, int distance);
+  void countThree(const SurfaceCell& a, const SurfaceCell& b, const SurfaceCell& c);
+  void write(DepthBins& bins) const;
+};
+
+DescribeStatus DepthDescriber::Workspace::draw(const DepthView& depth, Span<const std::uint32_t> chosen) {
+  if (depth.empty() || !depth.camera.valid()) return DescribeStatus::Empty;
+  std::size_t kept = 0;
+  forEachPixel(depth, chosen, [&](const Pixel& pixel) {
+    pixels[kept] = {pixel.u, pixel.v, pixel.z_um};
+    points[kept++] = backProject(depth.camera, pixel.u, pixel.v, pixel.z_um);
+  });
+  if (kept == 0) return DescribeStatus::Empty;
+  const Box box = boxOf({points.data(), kept});
+  if (isOnePoint(box)) return DescribeStatus::Degenerate;
+  const Frame frame(box);
+  const Normaliser normaliser = normaliserOf({points.data(), kept}, frame);
+  const std::int64_t d_um = std::max<std::int64_t>(frame.lengthUm(static_cast<std::int64_t>(normaliser.d)), 1);
+  patch.draw(depth.camera, {pixels.data(), kept}, frame.pointUm(normaliser.centroid), d_um);
+  return patch.cells().size < 2 ? DescribeStatus::Degenerate : DescribeStatus::Ok;
+}
+
+void DepthDescriber::Workspace::countCells() {
+  for (const SurfaceCell& cell : patch.cells()) countCell(cell);
+}
+
+void DepthDescriber::Workspace::countCell(const SurfaceCell& cell) {
+  const Offset radius{cell.x, cell.y, cell.z};
+  const int part = roots.partOf(4 * squared(radius));  // 1/128 of D: the centroid is at most some D / 2 away
+  const int ring = part / 8;
+  const int slope = std::min(-cell.nz / 16, 63);
+  const int along = angles.partOf(cosineOf(normalOf(cell), normalised(radius.x, radius.y, radius.z)));
+  const int depth = std::min(std::max((cell.w + 1024) / 256, 0), 7);
+  count(kRadius, part / 2);
+  count(kRadiusSlope, ring * 8 + slope / 8);
+  count(kRadiusAlong, ring * 8 + along / 8);
+  count(kSlope, slope / 2);
+  count(kSlopeDepth, slope / 8 * 8 + depth);
+}
+
+void DepthDescriber::Workspace::countPairs() {
+  const Span<const SurfaceCell> cells = patch.cells();
+  PairSampler pairs(params.seed, static_cast<std::uint32_t>(cells.size));
+  PairSampler::Pair before = pairs.next();
+  for (std::uint32_t i = 0; i < params.pairs; ++i) {
+    const PairSampler::Pair pair = pairs.next();
+    countPair(cells[pair.first], cells[pair.second]);
+    countThree(cells[pair.first], cells[pair.second], cells[before.first]);
+    before = pair;
+  }
+}
+
+void DepthDescriber::Workspace::countPair(const SurfaceCell& a, const SurfaceCell& b) {
+  const Offset line = between(a, b);
+  const int distance = roots.partOf(squared(line));
+  count(kDistance, distance);
+  countLine(walk(patch, a, b), distance);
+  countNormals(a, b, line, distance);
+}
+
+void DepthDescriber::Workspace::countLine(const LineParts& line, int distance) {
+  const auto& n = line.samples;
+  const int joint = (kThirds[n[kInFront]] * 4 + kThirds[n[kBehind]]) * 4 + kThirds[n[kOutside]];
+  count(kLineParts, joint * 4 + distance / 16);
+  count(kLineKind, kindOf(line) * 32 + distance / 2);
+  for (int part = kInFront; part <= kOutside; ++part) {
+    const int share = std::min((n[static_cast<std::size_t>(part)] + 1) / 2, 7);
+    count(kLinePart, ((part - kInFront) * 8 + share) * 4 + distance / 16);
+  }
+  const int sag = std::min(std::max((line.sag + 8 * 128) / 128, 0), 15);
+  count(kSag, sag * 8 + distance / 8);
+}
+
+// Which of the two points comes first is chance: nothing here depends on it.
+void DepthDescriber::Workspace::countNormals(const SurfaceCell& a, const SurfaceCell& b, const Offset& line, int distance) {
+  const Direction1024 direction = normalised(line.x, line.y, line.z), na = normalOf(a), nb = normalOf(b);
+  const std::int32_t along_a = cosineOf(na, direction), along_b = -cosineOf(nb, direction);
+  const int angle = angles.partOf(cosineOf(na, nb)), ring = distance / 8;
+  const int least = std::min(angles.partOf(along_a), angles.partOf(along_b)) / 8;
+  const int most = std::max(angles.partOf(along_a), angles.partOf(along_b)) / 8;
+  count(kNormals, angle / 4 * 8 + ring);
+  count(kNormalsAndLine, (most * (most + 1) / 2 + least) * 8 + ring);
+  const bool concave = along_a + along_b > 0;  // the normals lean towards each other
+  count(kConvexity, (concave * 8 + std::min(angle / 4, 7)) * 8 + ring);
+  count(kLineSlope, std::min(std::abs(direction.z) / 128, 7) * 8 + ring);
+}
+
+void DepthDescriber::Workspace::countThree(const SurfaceCell& a, const SurfaceCell& b, const SurfaceCell& c) {
+  const Offset to_b = between(a, b), to_c = between(a, c);
+  const Direction1024 b_direction = normalised(to_b.x, to_b.y, to_b.z), c_direction = normalised(to_c.x, to_c.y, to_c.z);
+  count(kAngleOfThree, angles.partOf(cosineOf(b_direction, c_direction)));
+  count(kAreaOfThree, areaPart(squaredCross(to_b, to_c)));
+}
+
+void DepthDescriber::Workspace::write(DepthBins& bins) const {
+  for (const SubHistogram& histogram : kDepthHistograms) {
+    const std::uint32_t* const first = counts.data() + histogram.first_bin;
+    std::uint64_t all = 0;
+    for (int i = 0; i < histogram.bins; ++i) all += first[i];
+    for (int i = 0; i < histogram.bins; ++i) bins[histogram.first_bin + static_cast<std::size_t>(i)] = rootOfShare(first[i], all);
+  }
+}
+
+DepthDescriber::DepthDescriber(const DescriptorParams& params) : workspace_(std::make_unique<Workspace>()) {
+  workspace_->params = params;
+  workspace_->params.pairs = std::min(std::max(params.pairs, std::uint32_t{1}), kMaxPairs);
+}
+
+DepthDescriber::~DepthDescriber() = default;
+DepthDescriber::DepthDescriber(DepthDescriber&&) noexcept = default;
+DepthDescriber& DepthDescriber::operator=(DepthDescriber&&) noexcept = default;
+
+DescribeStatus DepthDescriber::describe(const DepthView& depth, Span<const std::uint32_t> pixels, DepthBins& bins) {
+  bins.fill(0);
+  const DescribeStatus status = workspace_->draw(depth, pixels);
+  if (status != DescribeStatus::Ok) return status;
+  workspace_->counts.fill(0);
+  workspace_->countCells();
+  workspace_->countPairs();
+  workspace_->write(bins);
+  return DescribeStatus::Ok;
+}
+
+}  // namespace voxid

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a camera saw of an object, as a small image of its surface with normals. doc/descriptor.md gives the ranges.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "normaliser.h"
+#include "voxid/core/depth_view.h"
+#include "voxid/core/span.h"
+
+namespace voxid {
+
+/// A cell of the patch that shows the surface. Lengths in D / 4096, D the object's normaliser.
+struct SurfaceCell {
+  std::int16_t column, row;
+  std::int16_t w;           ///< projective depth, see DepthPatch
+  std::int16_t x, y, z;     ///< the point, from the centroid along the camera's axes
+  std::int16_t nx, ny, nz;  ///< normal towards the camera x 1024; along the viewing axis where no plane can be fitted
+};
+
+/// The object's surface about its centroid, seen along the ray to it: kSide x kSide cells of D / 64 at the centroid's
+/// distance z0, each with the mean projective depth w = z0 (1 - z0 / z) of the pixels that fall on it. In (x, y, w)
+/// straight lines stay straight, and a disparity step of the sensor has the same size everywhere.
+class DepthPatch {
+ public:
+  static constexpr int kSide = 80;
+  static constexpr int kCellUnits = 64;
+  static constexpr std::int64_t kUnits = 4096;  ///< of D
+  static constexpr std::int16_t kHole = INT16_MIN;
+
+  /// A pixel with its depth.
+  struct Pixel {
+    std::int32_t u, v, z_um;
+  };
+
+  /// `centroid_um` lies in front of the camera; `d_um` is the normaliser, at least 1.
+  void draw(const Camera& camera, Span<const Pixel> pixels, Vector centroid_um, std::int64_t d_um);
+
+  Span<const SurfaceCell> cells() const { return {cells_.data(), count_}; }  ///< row by row
+  std::int16_t w(int column, int row) const { return w_[row * kSide + column]; }  ///< kHole where nothing was seen
+  const std::int16_t* rows() const { return w_.data(); }                          ///< the same, row * kSide + column
+  std::int16_t tolerance() const { return tolerance_; }  ///< how far from the surface, in w, is still on it
+
+ private:
+  static constexpr int kCells = kSide * kSide;
+  static constexpr int kReach = 3;  // of the window that a normal is fitted in
+  static constexpr int kPaddedSide = kSide + 2 * kReach;
+
+  // Sums over a window: m of cells (0 or 1), j columns and i rows from its middle, w depths.
+  struct RowSums {
+    std::array<std::int32_t, kPaddedSide * kSide> m, jm, jjm, w, jw;
+  };
+  struct Slope {
+    std::int32_t column_q10 = 0, row_q10 = 0;
+  };
+
+  void splat(const Camera& camera, Span<const Pixel> pixels, Vector centroid_um, std::int64_t d_um);
+  void sumRows();
+  Slope slopeAt(int column, int row) const;
+  void collect();
+  SurfaceCell cellAt(int column, int row) const;
+
+  std::int32_t scale_ = 1;  // z0 in units
+  std::int16_t tolerance_ = 0;
+  std::array<std::int32_t, kCells> sum_, hits_;
+  std::array<std::int16_t, kCells> w_;
+  RowSums rows_;
+  std::array<SurfaceCell, kCells> cells_;
+  std::size_t count_ = 0;
+};
+
+/// 1024 v / |v|, within a part in 500, for components up to 32,767; zero stays zero.
+struct Direction1024 {
+  std::int32_t x, y, z;
+};
+Direction1024 normalised(std::int32_t x, std::int32_t y, std::int32_t z);
+
+}  // namespace voxid

@@ -1,0 +1,350 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxid/library/trainer.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "calibrate.h"
+#include "model_folder.h"
+#include "parts_folder.h"
+#include "render_models.h"
+#include "shard.h"
+#include "voxid/library/index_writer.h"
+#include "voxid/library/views.h"
+
+namespace voxid {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::MatrixXf;
+using Eigen::VectorXd;
+
+constexpr int kBins = kDepthBins;
+
+/// What is learnt from: bins of views, each view's category.
+struct Lessons {
+  std::vector<ModelRecord> models;  ///< their codes are bins
+  std::vector<std::vector<std::uint8_t>> calibration;  ///< bins of one more view of each model
+  std::vector<std::string> categories;
+  std::size_t views = 0;
+};
+
+EncodeView encodeBins(const DescriptorParams& params) {
+  const auto describer = std::make_shared<DepthDescriber>(params);
+  const auto bins = std::make_shared<DepthBins>();
+  return [describer, bins](const DepthView& depth, Span<const std::uint32_t> pixels) -> std::vector<std::uint8_t> {
+    if (describer->describe(depth, pixels, *bins) != DescribeStatus::Ok) return {};
+    return {bins->begin(), bins->end()};
+  };
+}
+
+/// The shards' parameters: nothing else reads them.
+format::Parameters binsParameters(const DescriptorParams& params) {
+  format::Parameters parameters = parametersOf(Profile{params, nullptr});
+  std::fill(std::begin(parameters.profile), std::end(parameters.profile), '\0');
+  parameters.profile[0] = 'b';
+  parameters.revision = kDepthDescriptorRevision;
+  parameters.code_bytes = kBins;
+  return parameters;
+}
+
+template <typename Take>
+void forEachView(const std::vector<ModelRecord>& models, Take take) {
+  for (const ModelRecord& model : models) {
+    for (const ViewRecord& view : model.views) take(model, view);
+  }
+}
+
+// ---- the map -----------------------------------------------------------------------------------------------------
+
+/// Sums over views, from which scatters follow.
+struct Moments {
+  MatrixXd products = MatrixXd::Zero(kBins, kBins);  ///< lower half, of the views less `mean`
+  VectorXd mean = VectorXd::Zero(kBins);
+  MatrixXd category_means;  ///< a row each, less `mean`
+  VectorXd category_views;
+  double views = 0;
+};
+
+VectorXd meanOf(const Lessons& lessons) {
+  VectorXd mean = VectorXd::Zero(kBins);
+  forEachView(lessons.models, [&](const ModelRecord&, const ViewRecord& view) {
+    for (int i = 0; i < kBins; ++i) mean[i] += view.code[static_cast<std::size_t>(i)];
+  });
+  return mean / static_cast<double>(lessons.views);
+}
+
+Moments momentsOf(const Lessons& lessons) {
+  constexpr int kBlock = 2048;
+  Moments m;
+  m.mean = meanOf(lessons);
+  m.views = static_cast<double>(lessons.views);
+  m.category_means = MatrixXd::Zero(static_cast<Eigen::Index>(lessons.categories.size()), kBins);
+  m.category_views = VectorXd::Zero(static_cast<Eigen::Index>(lessons.categories.size()));
+  const Eigen::VectorXf mean = m.mean.cast<float>();
+  MatrixXf block(kBins, kBlock);
+  int filled = 0;
+  const auto flush = [&] {
+    MatrixXf products = MatrixXf::Zero(kBins, kBins);
+    products.selfadjointView<Eigen::Lower>().rankUpdate(block.leftCols(filled));
+    m.products += products.cast<double>();
+    filled = 0;
+  };
+  forEachView(lessons.models, [&](const ModelRecord& model, const ViewRecord& view) {
+    for (int i = 0; i < kBins; ++i) block(i, filled) = static_cast<float>(view.code[static_cast<std::size_t>(i)]) - mean[i];
+    const auto category = std::lower_bound(lessons.categories.begin(), lessons.categories.end(), model.category) - lessons.categories.begin();
+    m.category_means.row(category) += block.col(filled).transpose().cast<double>();
+    m.category_views[category] += 1;
+    if (++filled == kBlock) flush();
+  });
+  flush();
+  for (Eigen::Index i = 0; i < m.category_views.size(); ++i) m.category_means.row(i) /= m.category_views[i];
+  return m;
+}
+
+/// Linear discriminant analysis: columns along which the scatter between categories is largest, best first, when the
+/// scatter inside categories is one in every direction. With W = L L' and B = C C' (C: the categories' means), the
+/// columns are L'^-1 u for the left singular vectors u of L^-1 C.
+MatrixXd discriminants(const Moments& m, int count, double shrinkage) {
+  const MatrixXd weighted = ((m.category_views / m.views).cwiseSqrt().asDiagonal() * m.category_means).transpose();
+  MatrixXd within = m.products.selfadjointView<Eigen::Lower>();
+  within = within / m.views - weighted * weighted.transpose();
+  within.diagonal().array() += shrinkage * within.trace() / kBins;
+  const Eigen::LLT<MatrixXd> cholesky(within);
+  const MatrixXd whitened = cholesky.matrixL().solve(weighted);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> spectrum(whitened.transpose() * whitened);
+  constexpr double kWeightPower = 0.25;  // of between over within: some weight to what tells more (doc/descriptor.md)
+  const int found = std::min(count, static_cast<int>(spectrum.eigenvalues().size()));
+  MatrixXd columns = MatrixXd::Zero(kBins, count);
+  for (int i = 0; i < found; ++i) {
+    const Eigen::Index from_end = spectrum.eigenvalues().size() - 1 - i;
+    const double squared = spectrum.eigenvalues()[from_end];
+    if (squared < 1e-9) break;
+    const VectorXd u = whitened * spectrum.eigenvectors().col(from_end) / std::sqrt(squared);
+    VectorXd column = cholesky.matrixL().transpose().solve(u);
+    Eigen::Index largest = 0;
+    column.cwiseAbs().maxCoeff(&largest);
+    const double sign = column[largest] < 0 ? -1 : 1;  // free; this one is reproducible
+    columns.col(i) = sign * std::pow(squared, kWeightPower) * column;
+  }
+  return columns;
+}
+
+/// Rows of integers whose largest is 127, each with the factor that takes it back.
+void roundInto(ProjectionContent& out, const Moments& m, const MatrixXd& columns) {
+  constexpr double kUnit = 4096;  // a standard deviation inside categories, before codes are brought to length
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    const double step = std::max(columns.col(k).cwiseAbs().maxCoeff(), 1e-12) / 127;
+    double bias = 0;
+    for (int i = 0; i < kBins; ++i) {
+      const auto entry = static_cast<std::int8_t>(std::lround(columns(i, k) / step));
+      out.matrix.push_back(entry);
+      bias -= entry * m.mean[i];
+    }
+    out.bias.push_back(static_cast<std::int32_t>(std::lround(bias)));
+    out.factor_q24.push_back(static_cast<std::int32_t>(std::lround(std::min(step * kUnit * (1 << 24), 2147483000.0))));
+  }
+}
+
+// ---- the lists ---------------------------------------------------------------------------------------------------
+
+std::shared_ptr<const Projection> projectionOf(const ProjectionContent& content) {
+  const std::vector<std::uint8_t> bytes = serialised(content);
+  return Projection::fromBytes({bytes.data(), bytes.size()}, "in the making").value;
+}
+
+std::vector<std::uint8_t> codesOf(const Lessons& lessons, const Projection& projection) {
+  std::vector<std::uint8_t> codes(lessons.views * projection.codeBytes());
+  std::size_t view_number = 0;
+  DepthBins bins;
+  forEachView(lessons.models, [&](const ModelRecord&, const ViewRecord& view) {
+    std::copy(view.code.begin(), view.code.end(), bins.begin());
+    projection.project(bins, &codes[view_number++ * projection.codeBytes()]);
+  });
+  return codes;
+}
+
+/// Moves every centroid to the mean of its codes; one without codes stays.
+void moveCentroids(ProjectionContent& content, const std::vector<std::uint8_t>& codes) {
+  const auto projection = projectionOf(content);
+  const std::size_t bytes = content.code_bytes;
+  std::vector<double> sums(content.centroids.size());
+  std::vector<double> members(content.lists);
+  for (std::size_t at = 0; at < codes.size(); at += bytes) {
+    const std::uint32_t list = projection->listOf(&codes[at]);
+    ++members[list];
+    for (std::size_t i = 0; i < bytes; ++i) sums[list * bytes + i] += static_cast<std::int8_t>(codes[at + i]);
+  }
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const double count = members[i / bytes];
+    if (count > 0) content.centroids[i] = static_cast<std::uint8_t>(std::lround(sums[i] / count));
+  }
+}
+
+/// Lloyd's algorithm, begun at views evenly spread over the library.
+void learnLists(ProjectionContent& content, const Lessons& lessons) {
+  constexpr int kRounds = 12;
+  const std::size_t bytes = content.code_bytes;
+  content.lists = static_cast<std::uint32_t>(std::min<std::size_t>(content.lists, lessons.views));
+  content.centroids.assign(content.lists * bytes, 0);
+  const std::vector<std::uint8_t> codes = codesOf(lessons, *projectionOf(content));
+  for (std::size_t list = 0; list < content.lists; ++list) {
+    const std::size_t view = list * lessons.views / content.lists;
+    std::copy_n(codes.begin() + static_cast<std::ptrdiff_t>(view * bytes), bytes, content.centroids.begin() + static_cast<std::ptrdiff_t>(list * bytes));
+  }
+  for (int round = 0; round < kRounds; ++round) moveCentroids(content, codes);
+}
+
+// ---- all of it ---------------------------------------------------------------------------------------------------
+
+class Trainer {
+ public:
+  Trainer(const TrainOptions& options, BuildListener& listener) : options_(options), listener_(listener) {}
+
+  Result<TrainReport> train() {
+    if (options_.code_bytes != 32 && options_.code_bytes != 64) return Status::badUse("a code has 32 or 64 bytes");
+    Result<ModelFolder> folder = listModels(options_.models);
+    if (!folder.ok()) return folder.status;
+    folder_ = std::move(folder.value);
+    leaveOut();
+    Status status = parts_.open(options_.out, false);
+    if (!status.ok()) return status;
+    status = render();
+    if (status.ok()) status = collect();
+    if (status.ok()) learn();
+    if (status.ok()) status = calibrateIt();
+    if (status.ok()) status = write();
+    parts_.remove();
+    if (!status.ok()) return status;
+    return std::move(report_);
+  }
+
+ private:
+  void leaveOut() {
+    const auto unwanted = [&](const ModelFile& model) {
+      return std::count(options_.without.begin(), options_.without.end(), model.category) > 0;
+    };
+    folder_.models.erase(std::remove_if(folder_.models.begin(), folder_.models.end(), unwanted), folder_.models.end());
+  }
+
+  Status render() {
+    const std::string parts = parts_.path();
+    RenderWork work{folder_, parts, listener_};
+    work.jobs = options_.jobs;
+    work.views_every = options_.views_every;
+    work.parameters = binsParameters(options_.params);
+    work.mesh_limits = options_.mesh_limits;
+    work.makeEncode = [this] { return encodeBins(options_.params); };
+    return renderModels(work, died_);
+  }
+
+  Status collect() {
+    std::set<std::string> categories;
+    for (std::size_t i = 0; i < folder_.models.size(); ++i) {
+      const ModelFile& file = folder_.models[i];
+      Result<ModelViews> shard = readShard(shardPath(parts_.path(), file), originOf(file, binsParameters(options_.params), options_.views_every));
+      const auto died = died_.find(static_cast<int>(i));
+      if (!shard.ok()) shard.value.refusal = died == died_.end() ? shard.status.sentence : died->second;
+      if (!shard.ok() || shard.value.views.empty()) {
+        report_.skipped.push_back({file.file, shard.value.refusal});
+        continue;
+      }
+      categories.insert(file.category);
+      lessons_.views += shard.value.views.size();
+      lessons_.models.push_back({file.category, file.name, {}, {}, 0, std::move(shard.value.views)});
+      lessons_.calibration.push_back(std::move(shard.value.calibration));
+    }
+    lessons_.categories.assign(categories.begin(), categories.end());
+    report_.categories = static_cast<int>(categories.size());
+    report_.models = static_cast<int>(lessons_.models.size());
+    report_.views = static_cast<int>(lessons_.views);
+    if (categories.size() >= 2 && lessons_.views >= options_.code_bytes) return {};
+    return Status::nothingFound(options_.models + ": " + std::to_string(lessons_.views) + " views of " + std::to_string(categories.size()) +
+                                " categories; a projection is learnt from two categories and " + std::to_string(options_.code_bytes) +
+                                " views at least");
+  }
+
+  void learn() {
+    content_.params = options_.params;
+    content_.code_bytes = options_.code_bytes;
+    content_.lists = options_.lists;
+    content_.views = static_cast<std::uint32_t>(lessons_.views);
+    content_.models = static_cast<std::uint32_t>(lessons_.models.size());
+    content_.categories = static_cast<std::uint32_t>(lessons_.categories.size());
+    const Moments moments = momentsOf(lessons_);
+    const MatrixXd columns = discriminants(moments, static_cast<int>(options_.code_bytes), options_.shrinkage);
+    roundInto(content_, moments, columns);
+    learnLists(content_, lessons_);
+  }
+
+  /// As a build calibrates an index, on an index of the views that were learnt from.
+  Status calibrateIt() {
+    content_.calibration = builtInCalibration({});
+    const auto projection = projectionOf(content_);
+    const std::vector<std::uint8_t> codes = codesOf(lessons_, *projection);
+    IndexContent library;
+    library.profile.projection = projection;
+    library.directions.assign(viewDirections().begin(), viewDirections().end());
+    library.models = lessons_.models;
+    std::size_t at = 0;
+    for (ModelRecord& model : library.models) {
+      for (ViewRecord& view : model.views) {
+        view.code.assign(codes.begin() + static_cast<std::ptrdiff_t>(at), codes.begin() + static_cast<std::ptrdiff_t>(at + options_.code_bytes));
+        at += options_.code_bytes;
+      }
+    }
+    const std::string draft = parts_.path() + "/draft.vxi";
+    const Status status = writeIndex(library, draft);
+    if (!status.ok()) return status;
+    const auto index = Index::open(draft);
+    if (!index.ok()) return index.status;
+    content_.calibration = calibrate(index.value, queriesFor(*index.value, *projection));
+    report_.calibration_samples = static_cast<int>(content_.calibration.samples);
+    return {};
+  }
+
+  std::vector<CalibrationQuery> queriesFor(const Index& index, const Projection& projection) const {
+    std::map<std::pair<std::string, std::string>, std::uint32_t> numbers;
+    for (std::uint32_t i = 0; i < index.models().size; ++i) {
+      numbers[{std::string(index.categoryName(index.models()[i].category)), std::string(index.modelName(i))}] = i;
+    }
+    std::vector<CalibrationQuery> queries;
+    DepthBins bins;
+    for (std::size_t i = 0; i < lessons_.models.size(); ++i) {
+      if (lessons_.calibration[i].empty()) continue;
+      std::copy(lessons_.calibration[i].begin(), lessons_.calibration[i].end(), bins.begin());
+      std::vector<std::uint8_t> code(projection.codeBytes());
+      projection.project(bins, code.data());
+      queries.push_back({numbers[{lessons_.models[i].category, lessons_.models[i].name}], std::move(code)});
+    }
+    return queries;
+  }
+
+  Status write() {
+    const std::vector<std::uint8_t> bytes = serialised(content_);
+    report_.bytes = bytes.size();
+    return writeWhole(options_.out, std::string(bytes.begin(), bytes.end()));
+  }
+
+  const TrainOptions& options_;
+  BuildListener& listener_;
+  ModelFolder folder_;
+  PartsFolder parts_;
+  std::map<int, std::string> died_;
+  Lessons lessons_;
+  ProjectionContent content_;
+  TrainReport report_;
+};
+
+}  // namespace
+
+Result<TrainReport> trainProjection(const TrainOptions& options, BuildListener& listener) {
+  return Trainer(options, listener).train();
+}
+
+}  // namespace voxid

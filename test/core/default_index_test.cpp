@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Files and searches of profile "default".
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <functional>
+#include <set>
+
+#include "core/index_fixture.h"
+#include "core/projection_fixture.h"
+#include "voxid/core/classifier.h"
+#include "voxid/core/crc32c.h"
+#include "voxid/core/search.h"
+
+namespace voxid {
+namespace {
+
+using test::Folder;
+using test::readBytes;
+using test::writeBytes;
+using Code = std::vector<std::uint8_t>;
+using Neighbours = std::vector<std::pair<std::uint32_t, std::uint32_t>>;  // distance, view
+
+constexpr std::uint32_t kBytes = 32, kLists = 24;
+
+/// Around few middles, so that lists differ in size and some stay empty.
+Code randomDefaultCode(test::Random& random) {
+  const int middle = random.below(5) * 20 - 40;
+  Code code(kBytes);
+  for (std::uint8_t& number : code) number = static_cast<std::uint8_t>(middle + random.between(-30, 30));
+  return code;
+}
+
+IndexContent defaultContent(int categories, int models, int views) {
+  static const auto projection = test::projectionOf(test::randomProjectionContent(kBytes, kLists, 1));
+  IndexContent content = test::randomContent(categories, models, views, 2);
+  content.profile = {{}, projection};
+  test::Random random(3);
+  for (ModelRecord& model : content.models) {
+    for (ViewRecord& view : model.views) view.code = randomDefaultCode(random);
+  }
+  return content;
+}
+
+std::uint32_t slowDistance(const Code& code, const std::uint8_t* other) {
+  int sum = 0;
+  for (std::size_t i = 0; i < kBytes; ++i) {
+    const int d = static_cast<std::int8_t>(code[i]) - static_cast<std::int8_t>(other[i]);
+    sum += d * d;
+  }
+  return static_cast<std::uint32_t>(sum);
+}
+
+Neighbours pairsOf(Span<const Neighbour> found) {
+  Neighbours list;
+  for (const Neighbour n : found) list.emplace_back(n.distance, n.view);
+  return list;
+}
+
+/// Views that count, nearest first.
+Neighbours sortedViews(const Index& index, const Code& code, const std::function<bool(std::uint32_t)>& counts) {
+  Neighbours all;
+  for (std::uint32_t view = 0; view < index.viewCount(); ++view) {
+    if (counts(view)) all.emplace_back(slowDistance(code, index.code(view)), view);
+  }
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+/// The first of each category.
+Neighbours firstOfCategories(const Index& index, const Neighbours& sorted) {
+  std::set<std::uint32_t> met;
+  Neighbours first;
+  for (const auto& found : sorted) {
+    if (met.insert(index.models()[index.modelOf(found.second)].category).second) first.push_back(found);
+  }
+  return first;
+}
+
+Neighbours head(Neighbours list, std::size_t count) {
+  list.resize(std::min(count, list.size()));
+  return list;
+}
+
+const auto kAll = [](std::uint32_t) { return true; };
+
+class DefaultIndex : public testing::Test {
+ protected:
+  std::shared_ptr<const Index> make(int categories, int models, int views) {
+    return test::writtenIndex(folder_, defaultContent(categories, models, views));
+  }
+  Folder folder_;
+  test::Random random_{4};
+};
+
+TEST_F(DefaultIndex, HoldsWhatWasWritten) {
+  IndexContent content = defaultContent(3, 2, 4);
+  content.models[0].views.erase(content.models[0].views.begin());  // models need not have the same number
+  content.models[1].views.pop_back();
+  content.models[2].views[1].extents = {0, 0x8012, 65535};
+  const auto index = test::writtenIndex(folder_, content);
+  ASSERT_NE(index->projection(), nullptr);
+  EXPECT_TRUE(index->verify().ok()) << index->verify().sentence;
+  EXPECT_EQ(index->header().minor, 1);
+  EXPECT_STREQ(index->parameters().profile, "default");
+  EXPECT_EQ(index->parameters().code_bytes, kBytes);
+  EXPECT_EQ(index->projection()->lists(), kLists);
+  for (std::uint32_t model = 0; model < index->models().size; ++model) {
+    const auto record = std::find_if(content.models.begin(), content.models.end(), [&](const ModelRecord& m) {
+      return m.name == index->modelName(model) && m.category == index->categoryName(index->models()[model].category);
+    });
+    ASSERT_EQ(index->models()[model].views, record->views.size());
+    for (std::uint32_t i = 0; i < record->views.size(); ++i) {
+      const std::uint32_t number = index->models()[model].first_view + i;
+      const format::View view = index->view(number);
+      EXPECT_EQ(index->modelOf(number), model);
+      EXPECT_EQ(view.model, model);
+      EXPECT_EQ(view.direction, record->views[i].direction);
+      for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(view.extents[axis] >> 8, record->views[i].extents[static_cast<std::size_t>(axis)] >> 8);
+      EXPECT_TRUE(std::equal(record->views[i].code.begin(), record->views[i].code.end(), index->code(number)));
+    }
+  }
+}
+
+TEST_F(DefaultIndex, WritingWhatWasReadGivesTheSameBytes) {
+  const auto index = make(4, 2, 3);
+  const Result<IndexContent> content = readContent(*index);
+  ASSERT_TRUE(content.ok());
+  const std::string again = folder_.file("again.vxi");
+  ASSERT_TRUE(writeIndex(content.value, again).ok());
+  EXPECT_TRUE(readBytes(again) == readBytes(index->path()));
+}
+
+TEST_F(DefaultIndex, AViewCostsItsCodeAndEightBytes) {
+  const auto small = make(2, 2, 5);
+  const std::uint64_t bytes = small->bytes();
+  const auto large = test::writtenIndex(folder_, defaultContent(2, 2, 105));
+  EXPECT_NEAR(static_cast<double>(large->bytes() - bytes) / 400, kBytes + 8, 5) << "beside them directions, lists";
+}
+
+TEST_F(DefaultIndex, ExactSearchEqualsBruteForce) {
+  const auto index = make(12, 3, 9);
+  const auto search = makeExactSearch(index);
+  for (int i = 0; i < 50; ++i) {
+    const Code code = randomDefaultCode(random_);
+    const Neighbours all = sortedViews(*index, code, kAll);
+    const Nearest& found = search->find(code.data());
+    EXPECT_EQ(pairsOf(found.views), head(all, kNearestViews));
+    EXPECT_EQ(pairsOf(found.categories), firstOfCategories(*index, all));
+    EXPECT_EQ(found.scanned, index->viewCount());
+  }
+}
+
+TEST_F(DefaultIndex, AllListsEqualBruteForceAmongTheNearest) {
+  const auto index = make(40, 2, 6);
+  const auto search = makeListSearch(index, kLists);
+  for (int i = 0; i < 50; ++i) {
+    const Code code = randomDefaultCode(random_);
+    const std::uint32_t left_out = i % 2 == 0 ? Search::kNone : static_cast<std::uint32_t>(random_.below(80));
+    const Neighbours all = sortedViews(*index, code, [&](std::uint32_t view) { return index->modelOf(view) != left_out; });
+    const Nearest& found = search->find(code.data(), left_out);
+    EXPECT_EQ(pairsOf(found.views), head(all, kNearestViews));
+    EXPECT_EQ(pairsOf(found.categories), firstOfCategories(*index, head(all, kListPool)));
+    EXPECT_EQ(found.scanned, all.size());
+  }
+}
+
+TEST_F(DefaultIndex, NearestListsAreComparedInFull) {
+  const auto index = make(40, 2, 6);
+  const Projection& projection = *index->projection();
+  const auto search = makeListSearch(index, 3);
+  for (int i = 0; i < 50; ++i) {
+    const Code code = randomDefaultCode(random_);
+    Neighbours lists;  // that hold something
+    for (const Key list : index->keys()) {
+      lists.emplace_back(slowDistance(code, projection.centroids() + list * kBytes), static_cast<std::uint32_t>(list));
+    }
+    std::sort(lists.begin(), lists.end());
+    const auto among = [&](std::size_t probed) {
+      return sortedViews(*index, code, [&](std::uint32_t view) {
+        const std::uint32_t list = projection.listOf(index->code(view));
+        return std::any_of(lists.begin(), lists.begin() + static_cast<std::ptrdiff_t>(std::min(probed, lists.size())),
+                           [&](const auto& entry) { return entry.second == list; });
+      });
+    };
+    std::size_t probed = 3;
+    while (firstOfCategories(*index, among(probed)).size() < 5 && probed < lists.size()) probed *= 2;
+    const Nearest& found = search->find(code.data());
+    EXPECT_EQ(pairsOf(found.views), head(among(probed), kNearestViews));
+    EXPECT_EQ(found.scanned, among(probed).size());
+  }
+}
+
+TEST_F(DefaultIndex, FewCategoriesAreAllMet) {
+  const auto index = make(3, 1, 5);
+  const Code code = randomDefaultCode(random_);
+  EXPECT_EQ(makeListSearch(index, 1)->find(code.data()).scanned, 15u);
+  EXPECT_EQ(makeListSearch(index, -7)->find(code.data()).scanned, 15u);
+  EXPECT_EQ(makeListSearch(index, 1000000)->find(code.data()).scanned, 15u);
+}
+
+TEST_F(DefaultIndex, TheProfileChoosesTheSearch) {
+  const auto index = make(6, 2, 5);
+  SearchParams params;
+  params.exact = false;
+  params.lists = 1000;
+  const Code code = randomDefaultCode(random_);
+  EXPECT_EQ(makeSearch(index, params)->find(code.data()).scanned, index->viewCount());
+}
+
+// ---- damage ----------------------------------------------------------------------------------------------------
+
+void useIt(const std::shared_ptr<const Index>& index) {
+  const Code code(kBytes, 3);
+  for (const auto& search : {makeExactSearch(index), makeListSearch(index, 2), makeListSearch(index, 100)}) {
+    const Nearest& nearest = search->find(code.data(), 1);
+    const Answer answer = classify(*index, nearest, ClassifyMethod::Vote, 0);
+    for (int i = 0; i < answer.count; ++i) {
+      EXPECT_LT(answer.alternatives[static_cast<std::size_t>(i)].category, index->categories().size);
+      index->modelName(index->view(answer.alternatives[static_cast<std::size_t>(i)].view).model);
+    }
+  }
+  (void)readContent(*index);
+}
+
+TEST_F(DefaultIndex, AnyFlippedByteIsRefusedOrFound) {
+  const std::string path = make(3, 2, 2)->path(), good = readBytes(path);
+  const std::size_t projection = good.find(std::string(format::kProjectionMagic, 8));
+  ASSERT_NE(projection, std::string::npos);
+  const std::size_t projection_end = projection + 64 + kBytes * (kDepthBins + 8 + kLists) + 128;
+  for (std::size_t at = 0; at < good.size(); at += at > projection + 64 && at < projection_end - 997 ? 997 : 1) {
+    std::string bad = good;
+    bad[at] = static_cast<char>(bad[at] ^ 0x41);
+    writeBytes(path, bad);
+    const auto index = Index::open(path);
+    if (index.ok()) useIt(index.value);
+    ASSERT_FALSE(index.ok() && index.value->verify().ok()) << "byte " << at;
+  }
+}
+
+struct Damage {
+  const char* tag;
+  std::size_t at;
+  std::uint32_t value;
+  std::size_t bytes;
+};
+
+TEST_F(DefaultIndex, ReferencesThatLieAreHarmlessAndFound) {
+  const std::string path = make(3, 2, 2)->path(), good = readBytes(path);
+  constexpr std::uint32_t kFar = 0xffffffff;
+  for (const Damage& damage : {Damage{"VIE4", 4, 200, 1}, Damage{"MODL", 32 + 16, kFar, 4}, Damage{"MODL", 16, 5, 4},
+                               Damage{"MODL", 20, kFar, 4}, Damage{"KEYS", 0, kFar, 4}, Damage{"KEYS", 4, kFar, 4},
+                               Damage{"BKTV", 0, kFar, 4}, Damage{"BKTO", 4, kFar, 4}}) {
+    std::string bytes = good;
+    auto& header = *reinterpret_cast<format::Header*>(bytes.data());
+    auto* const table = reinterpret_cast<format::Section*>(bytes.data() + sizeof(format::Header));
+    const auto section = std::find_if(table, table + header.sections, [&](const format::Section& s) { return std::memcmp(s.tag, damage.tag, 4) == 0; });
+    std::memcpy(bytes.data() + section->offset + damage.at, &damage.value, damage.bytes);
+    section->crc32c = crc32c(bytes.data() + section->offset, section->length);
+    header.crc32c = 0;
+    header.crc32c = crc32c(bytes.data(), sizeof header + header.sections * sizeof(format::Section));
+    writeBytes(path, bytes);
+    const auto index = Index::open(path);
+    ASSERT_TRUE(index.ok()) << index.status.sentence;
+    useIt(index.value);
+    EXPECT_EQ(index.value->verify().kind, Status::Kind::Damaged) << damage.tag << damage.at;
+  }
+}
+
+}  // namespace
+}  // namespace voxid
