@@ -10,6 +10,7 @@
 #include "even_choice.h"
 #include "normaliser.h"
 #include "pair_sampler.h"
+#include "vectorised.h"
 
 namespace voxid {
 namespace {
@@ -108,27 +109,25 @@ struct LineParts {
 };
 enum Part { kOn, kInFront, kBehind, kOutside };
 
-LineParts walk(const DepthPatch& patch, const SurfaceCell& a, const SurfaceCell& b) {
+// Sample k lies at t = (2 k + 1) / 32.
+VOXID_VECTORISED LineParts walk(const DepthPatch& patch, const SurfaceCell& a, const SurfaceCell& b) {
   const std::int32_t tolerance = patch.tolerance();
-  const std::int16_t* const surface = patch.rows();
+  const std::int32_t* const surface = patch.rows();
   const std::int32_t dc = b.column - a.column, dr = b.row - a.row, dw = b.w - a.w;
-  // Sample k lies at t = (2 k + 1) / 32.
-  std::int32_t c = 32 * a.column + dc + 16, r = 32 * a.row + dr + 16, w = 32 * a.w + dw;
-  std::uint32_t counts = 0;
-  std::int32_t sag = 0;
-  for (int k = 0; k < kSamples; ++k, c += 2 * dc, r += 2 * dr, w += 2 * dw) {
-    const std::int32_t seen = surface[(r >> 5) * DepthPatch::kSide + (c >> 5)];
-    const std::int32_t depth = (w >> 5) - seen;
-    const bool hole = seen == DepthPatch::kHole;
-    const int part = hole ? kOutside : depth > tolerance ? kBehind : depth < -tolerance ? kInFront : kOn;
-    counts += 1u << (8 * part);
-    sag += hole ? 0 : depth;
+  const std::int32_t c = 32 * a.column + 16, r = 32 * a.row + 16, w = 32 * a.w;
+  std::int32_t in_front = 0, behind = 0, outside = 0, sag = 0;
+  for (std::int32_t k = 0; k < kSamples; ++k) {
+    const std::int32_t t = 2 * k + 1;
+    const std::int32_t seen = surface[((r + t * dr) >> 5) * DepthPatch::kSide + ((c + t * dc) >> 5)];
+    const std::int32_t hole = seen == DepthPatch::kHole, depth = hole ? 0 : ((w + t * dw) >> 5) - seen;
+    in_front += depth < -tolerance;
+    behind += depth > tolerance;
+    outside += hole;
+    sag += depth;
   }
-  LineParts parts;
-  for (int part = 0; part < 4; ++part) parts.samples[static_cast<std::size_t>(part)] = static_cast<std::uint8_t>(counts >> (8 * part));
-  const int met = kSamples - parts.samples[kOutside];
-  parts.sag = met == 0 ? 0 : sag / met;
-  return parts;
+  const auto count = [](std::int32_t samples) { return static_cast<std::uint8_t>(samples); };
+  const std::int32_t met = kSamples - outside;
+  return {{count(met - in_front - behind), count(in_front), count(behind), count(outside)}, met == 0 ? 0 : sag / met};
 }
 
 int kindOf(const LineParts& line) {

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "vectorised.h"
+
 namespace voxid {
 namespace {
 
@@ -95,7 +97,7 @@ void DepthPatch::draw(const Camera& camera, Span<const Pixel> pixels, Vector cen
   scale_ = static_cast<std::int32_t>(std::min(std::max<std::int64_t>(z0_um * kUnits / d_um, 1), std::int64_t{1} << 24));
   tolerance_ = toleranceOf(z0_um, d_um);
   splat(camera, pixels, centroid_um, d_um);
-  for (int i = 0; i < kCells; ++i) w_[i] = hits_[i] == 0 ? kHole : static_cast<std::int16_t>(sum_[i] / hits_[i]);
+  for (int i = 0; i < kCells; ++i) w_[i] = hits_[i] == 0 ? kHole : sum_[i] / hits_[i];
   sumRows();
   collect();
 }
@@ -120,31 +122,40 @@ void DepthPatch::splat(const Camera& camera, Span<const Pixel> pixels, Vector ce
   }
 }
 
-// Along each row; slopeAt sums these down the columns. Rows kReach above and below the patch are empty.
+// One row's sums over windows of 2 kReach + 1 columns; `seen` (0 or 1) and `depth` (0 where not seen) have kReach empty
+// columns at both ends.
+template <int kReach>
+VOXID_VECTORISED void sumRow(const std::int32_t* seen, const std::int32_t* depth, std::int32_t* m, std::int32_t* jm,
+                             std::int32_t* jjm, std::int32_t* w, std::int32_t* jw) {
+  for (int column = 0; column < DepthPatch::kSide; ++column) {
+    std::int32_t sums[5] = {};
+    for (int j = -kReach; j <= kReach; ++j) {
+      const std::int32_t s = seen[column + kReach + j], d = depth[column + kReach + j];
+      sums[0] += s;
+      sums[1] += j * s;
+      sums[2] += j * j * s;
+      sums[3] += d;
+      sums[4] += j * d;
+    }
+    m[column] = sums[0];
+    jm[column] = sums[1];
+    jjm[column] = sums[2];
+    w[column] = sums[3];
+    jw[column] = sums[4];
+  }
+}
+
+// Along each row; slopeAt sums these down the columns. Rows kReach above and below the patch stay empty.
 void DepthPatch::sumRows() {
-  rows_.m.fill(0);
-  rows_.jm.fill(0);
-  rows_.jjm.fill(0);
-  rows_.w.fill(0);
-  rows_.jw.fill(0);
   for (int row = 0; row < kSide; ++row) {
     std::array<std::int32_t, kPaddedSide> seen{}, depth{};
     for (int column = 0; column < kSide; ++column) {
-      const std::int16_t w = w_[row * kSide + column];
+      const std::int32_t w = w_[row * kSide + column];
       seen[column + kReach] = w != kHole;
       depth[column + kReach] = w != kHole ? w : 0;
     }
     const int at = (row + kReach) * kSide;
-    for (int column = 0; column < kSide; ++column) {
-      for (int j = -kReach; j <= kReach; ++j) {
-        const std::int32_t m = seen[column + kReach + j], w = depth[column + kReach + j];
-        rows_.m[at + column] += m;
-        rows_.jm[at + column] += j * m;
-        rows_.jjm[at + column] += j * j * m;
-        rows_.w[at + column] += w;
-        rows_.jw[at + column] += j * w;
-      }
-    }
+    sumRow<kReach>(seen.data(), depth.data(), &rows_.m[at], &rows_.jm[at], &rows_.jjm[at], &rows_.w[at], &rows_.jw[at]);
   }
 }
 

@@ -27,7 +27,7 @@ class DepthPatch {
   static constexpr int kSide = 80;
   static constexpr int kCellUnits = 64;
   static constexpr std::int64_t kUnits = 4096;  ///< of D
-  static constexpr std::int16_t kHole = INT16_MIN;
+  static constexpr std::int32_t kHole = INT16_MIN;
 
   /// A pixel with its depth.
   struct Pixel {
@@ -38,8 +38,8 @@ class DepthPatch {
   void draw(const Camera& camera, Span<const Pixel> pixels, Vector centroid_um, std::int64_t d_um);
 
   Span<const SurfaceCell> cells() const { return {cells_.data(), count_}; }  ///< row by row
-  std::int16_t w(int column, int row) const { return w_[row * kSide + column]; }  ///< kHole where nothing was seen
-  const std::int16_t* rows() const { return w_.data(); }                          ///< the same, row * kSide + column
+  std::int32_t w(int column, int row) const { return w_[row * kSide + column]; }  ///< kHole where nothing was seen
+  const std::int32_t* rows() const { return w_.data(); }                          ///< the same, row * kSide + column
   std::int16_t tolerance() const { return tolerance_; }  ///< how far from the surface, in w, is still on it
 
  private:
@@ -49,7 +49,7 @@ class DepthPatch {
 
   // Sums over a window: m of cells (0 or 1), j columns and i rows from its middle, w depths.
   struct RowSums {
-    std::array<std::int32_t, kPaddedSide * kSide> m, jm, jjm, w, jw;
+    std::array<std::int32_t, kPaddedSide * kSide> m{}, jm{}, jjm{}, w{}, jw{};
   };
   struct Slope {
     std::int32_t column_q10 = 0, row_q10 = 0;
@@ -64,7 +64,7 @@ class DepthPatch {
   std::int32_t scale_ = 1;  // z0 in units
   std::int16_t tolerance_ = 0;
   std::array<std::int32_t, kCells> sum_, hits_;
-  std::array<std::int16_t, kCells> w_;
+  std::array<std::int32_t, kCells> w_;  // 32 bits, which AVX2 can gather
   RowSums rows_;
   std::array<SurfaceCell, kCells> cells_;
   std::size_t count_ = 0;
