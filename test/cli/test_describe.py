@@ -3,6 +3,8 @@ import cv2
 import numpy as np
 import pytest
 
+import solids
+
 BINS = {"D2 coarse": 32, "D2 fine": 128, "ON": 64, "OFF": 64, "MIXED": 64, "ratio": 64}
 
 
@@ -125,3 +127,40 @@ def test_the_plot_shows_six_panels(voxid, depth_file, slab, tmp_path):
     assert picture.shape == (440, 1080, 3)
     panels = [picture[y:y + 220, x:x + 360] for y in (0, 220) for x in (0, 360, 720)]
     assert all((panel < 250).any() for panel in panels)
+
+
+def test_a_mesh_is_described_as_a_whole(voxid, models):
+    ball = voxid("describe", models / "ball" / "ball_a.ply", "--json").json
+    assert (ball["status"], ball["points"]) == ("ok", 16384)
+    assert voxid("describe", models / "ball" / "ball_a.ply", "--json").json == ball
+    # Every point is a radius R from the centroid, two of them never farther apart than 2 R of the 3.4 R that a
+    # histogram covers, and the density of their distances grows up to that.
+    coarse = ball["histograms"]["D2 coarse"]
+    assert coarse.index(max(coarse)) in (17, 18) and not any(coarse[20:])
+    assert max(ball["histograms"]["OFF"]) > max(ball["histograms"]["ON"]), "lines cross the hollow"
+
+
+def test_a_mesh_counts_by_area_not_by_triangles(voxid, tmp_path):
+    """The same box, one side of it cut into many triangles."""
+    corners, triangles = solids.box(1.0, 0.8, 0.6)
+    solids.write_ply(tmp_path / "plain.ply", (corners, triangles))
+    a, b, c = triangles.pop(0)
+    n = 24
+    corners = corners + [tuple(corners[a][k] + (corners[b][k] - corners[a][k]) * i / n for k in range(3)) for i in range(n + 1)]
+    triangles += [(8 + i, 8 + i + 1, c) for i in range(n)]
+    solids.write_ply(tmp_path / "cut.ply", (corners, triangles))
+    plain, cut = (np.array(voxid("describe", tmp_path / f"{name}.ply", "--json").json["bins"]) for name in ("plain", "cut"))
+    assert np.abs(plain - cut).sum() < 1500 < np.abs(plain - voxid_bins_of_ball(voxid, tmp_path)).sum()
+
+
+def voxid_bins_of_ball(voxid, folder):
+    solids.write_ply(folder / "ball.ply", solids.ball())
+    return np.array(voxid("describe", folder / "ball.ply", "--json").json["bins"])
+
+
+def test_a_mesh_that_cannot_be_read(voxid, tmp_path):
+    (tmp_path / "cut.ply").write_text("ply\nformat ascii 1.0\n")
+    answer = voxid("describe", tmp_path / "cut.ply")
+    answer.refuses(answer.code, "cut.ply")
+    assert answer.code in (1, 4)
+    voxid("describe", tmp_path / "none.obj").refuses(1, "none.obj")
