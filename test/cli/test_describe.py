@@ -164,3 +164,66 @@ def test_a_mesh_that_cannot_be_read(voxid, tmp_path):
     answer.refuses(answer.code, "cut.ply")
     assert answer.code in (1, 4)
     voxid("describe", tmp_path / "none.obj").refuses(1, "none.obj")
+
+
+def shows(panel, blue, green, red):
+    """Pixels of about this colour."""
+    return (np.abs(panel.astype(int) - (blue, green, red)).max(axis=2) < 40).sum()
+
+
+GREEN, RED, BLUE = (60, 150, 30), (40, 30, 210), (200, 90, 30)
+
+
+def line_panels(path):
+    picture = cv2.imread(str(path))
+    assert picture.shape == (960, 960, 3)
+    return [picture[y:y + 480, x:x + 480] for y in (0, 480) for x in (0, 480)]
+
+
+def test_lines_have_a_panel_a_kind(voxid, models, tmp_path):
+    assert voxid("describe", models / "ball" / "ball_a.ply", "--plot-lines", tmp_path / "l.png").code == 0
+    grid, *kinds = line_panels(tmp_path / "l.png")
+    assert (grid < 230).any(axis=2).sum() > 480 * 480 / 4, "the grid fills its panel"
+    for panel, colour in zip(kinds, (GREEN, RED, BLUE)):
+        for other in (GREEN, RED, BLUE):
+            assert (shows(panel, *other) > 100) == (other == colour)
+
+
+def test_no_line_leaves_a_plate(voxid, depth_file, slab, tmp_path):
+    assert voxid("describe", depth_file("slab.png", slab), "--plot-lines", tmp_path / "l.png").code == 0
+    _, on, off, _ = line_panels(tmp_path / "l.png")
+    assert shows(on, *GREEN) > 100 and shows(off, *RED) == 0
+
+
+@pytest.mark.parametrize("points", [[(0, 0, 1), (0.1, 0, 1)], [(0, 0, 1 + i / 1000) for i in range(100)]])
+def test_lines_of_a_line(voxid, tmp_path, points):
+    answer = voxid("describe", write_xyz(tmp_path / "few.xyz", points), "--plot-lines", tmp_path / "l.png")
+    assert answer.code == 0 and len(line_panels(tmp_path / "l.png")) == 4
+
+
+def test_one_point_has_no_lines(voxid, tmp_path):
+    answer = voxid("describe", write_xyz(tmp_path / "one.xyz", [(0, 0, 1)]), "--plot-lines", tmp_path / "l.png")
+    answer.refuses(3, "at least two")
+    assert not (tmp_path / "l.png").exists()
+
+
+def test_the_nearest_view_is_the_one_that_classify_finds(voxid, index, views, tmp_path):
+    image = views("tin", "tin_a", 17)
+    line = voxid("describe", image, "--index", index, "--plot", tmp_path / "d.png", "--json").json
+    answer = voxid("classify", image, "--index", index, "--1nn", "--json").json
+    assert line["match"]["model"] == f"{answer['label']}/{answer['model']}"
+    assert line["match"]["direction"] == answer["view"]
+    assert line["match"]["distance"] == answer["alternatives"][0]["distance"]
+    assert line["bins"] == voxid("describe", image, "--json").json["bins"], "an index's lines and seed are the usual ones"
+    assert f"nearest: {line['match']['model']}, direction" in voxid("describe", image, "--index", index).out
+    picture = cv2.imread(str(tmp_path / "d.png"))
+    assert picture.shape == (468, 1080, 3)
+    panels = [picture[y:y + 220, x:x + 360] for y in (28, 248) for x in (0, 360, 720)]
+    assert all(shows(panel, 80, 180, 70) > 100 and shows(panel, *RED) > 100 for panel in panels[:2])
+
+
+def test_a_match_needs_two_points_and_the_lines_of_its_index(voxid, index, depth_file, slab):
+    image = depth_file("slab.png", slab)
+    voxid("describe", image, "--index", index, "--pairs", 500).refuses(2, "--index", "--pairs")
+    voxid("describe", image, "--index", image).refuses(4, image.name)
+    voxid("describe", depth_file("none.png", slab * 0), "--index", index).refuses(3, "no point")
