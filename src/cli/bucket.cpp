@@ -54,7 +54,7 @@ Result<Key> wantedKey(const Index& index, const std::string& wanted) {
 
 // ---- the picture -----------------------------------------------------------------------------------------------
 
-constexpr int kThumbnail = 150, kCaption = 22, kColumns = 8;
+constexpr int kThumbnail = 150, kCaption = 22, kCellHeight = kThumbnail + kCaption, kColumns = 8;
 constexpr std::size_t kMostDrawn = 48;
 
 /// The object alone, cut out square; near pixels bright, far ones dark.
@@ -122,6 +122,13 @@ void write(const std::string& text, cv::Point at, cv::Mat picture) {
   cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.4, {60, 60, 60}, 1, cv::LINE_AA);
 }
 
+/// With its category below.
+void drawThumbnail(const ModelView& seen, const std::string& name, cv::Mat cell) {
+  constexpr std::size_t kMostLetters = 18;
+  thumbnailOf(seen).copyTo(cell({0, 0, kThumbnail, kThumbnail}));
+  write(name.substr(0, std::min(name.find('/'), kMostLetters)), {6, kThumbnail + 12}, cell);
+}
+
 std::vector<std::uint32_t> evenlyChosen(const std::vector<std::uint32_t>& views) {
   const std::size_t kept = std::min(views.size(), kMostDrawn);
   std::vector<std::uint32_t> chosen;
@@ -178,17 +185,16 @@ Result<cv::Mat> drawBucket(const Index& index, const Bucket& bucket, const std::
   if (!folder.ok()) return folder.status;
   Studio studio(models, folder.value);
   const std::vector<std::uint32_t> views = evenlyChosen(bucket.views);
-  const int rows = (static_cast<int>(views.size()) + kColumns - 1) / kColumns, height = kThumbnail + kCaption;
-  cv::Mat picture(kCaption + rows * height, kColumns * kThumbnail, CV_8UC3, cv::Scalar(255, 255, 255));
+  const int rows = (static_cast<int>(views.size()) + kColumns - 1) / kColumns;
+  cv::Mat picture(kCaption + rows * kCellHeight, kColumns * kThumbnail, CV_8UC3, cv::Scalar(255, 255, 255));
   write(titleOf(bucket, views.size()), {6, 15}, picture);
   for (int i = 0; i < static_cast<int>(views.size()); ++i) {
     const std::uint32_t view = views[static_cast<std::size_t>(i)];
     const std::string name = nameOf(index, view);
     const auto seen = studio.look(name, index.views()[view].direction);
     if (!seen.ok()) return seen.status;
-    const cv::Point corner(i % kColumns * kThumbnail, kCaption + i / kColumns * height);
-    thumbnailOf(seen.value).copyTo(picture({corner.x, corner.y, kThumbnail, kThumbnail}));
-    write(name.substr(0, std::min(name.find('/'), std::size_t{18})), {corner.x + 6, corner.y + kThumbnail + 12}, picture);
+    const int x = i % kColumns * kThumbnail, y = kCaption + i / kColumns * kCellHeight;
+    drawThumbnail(seen.value, name, picture({x, y, kThumbnail, kCellHeight}));
   }
   return picture;
 }

@@ -13,6 +13,7 @@
 #include "draw_descriptor.h"
 #include "draw_lines.h"
 #include "mesh_file.h"
+#include "nearest_view.h"
 #include "point_file.h"
 #include "recogniser.h"
 #include "surface_points.h"
@@ -111,52 +112,11 @@ Status statusOf(const Options& options, const Description& description) {
                               "; a descriptor needs at least two that differ");
 }
 
-/// The nearest view of an index.
-struct Match {
-  std::shared_ptr<const Index> index;
-  Neighbour found;
-
-  std::string model() const {
-    const std::uint32_t number = index->views()[found.view].model;
-    return std::string(index->categoryName(index->models()[number].category)) + "/" +
-           std::string(index->modelName(number));
-  }
-  int direction() const { return index->views()[found.view].direction; }
-};
-
-Result<std::shared_ptr<const Index>> openPaperIndex(const std::string& path) {
-  const auto index = Index::open(path);
-  if (index.ok() && index.value->parameters().code_bytes != kDescriptorBytes) {
-    return Status::cannotDo(path + ": holds no descriptors of the paper, which describe compares; expected an index " +
-                            "of profile paper");
-  }
-  return index;
-}
-
-Match nearestOf(std::shared_ptr<const Index> index, const Descriptor& bins) {
-  const auto search = makeExactSearch(index);
-  return {std::move(index), search->find(bins.data()).views[0]};
-}
-
-Json jsonOf(const Match& match) {
-  Json json;
-  json["view"] = match.found.view;
-  json["model"] = match.model();
-  json["direction"] = match.direction();
-  json["distance"] = match.found.distance;
-  return json;
-}
-
-std::string captionOf(const Match& match) {
-  return match.model() + ", direction " + std::to_string(match.direction()) + ", L1 distance " +
-         std::to_string(match.found.distance);
-}
-
-Status draw(const Options& options, const Description& description, const Match* match) {
+Status draw(const Options& options, const Description& description, const NearestView* match) {
   Status status;
   if (!options.plot.empty()) {
     const Descriptor& bins = description.described.bins;
-    const DrawnMatch drawn = match ? DrawnMatch{match->index->code(match->found.view), captionOf(*match)} : DrawnMatch{};
+    const DrawnMatch drawn = match ? DrawnMatch{match->bins(), captionOf(*match)} : DrawnMatch{};
     status = writeImage(options.plot, drawDescriptor(bins, match ? &drawn : nullptr));
   }
   const bool has_lines = description.described.status == DescribeStatus::Ok;
@@ -167,10 +127,10 @@ Status draw(const Options& options, const Description& description, const Match*
   return status;
 }
 
-void print(const Options& options, const Description& description, const Match* match) {
+void print(const Options& options, const Description& description, const NearestView* match) {
   if (options.json) {
     Json json = toJson(options, description);
-    if (match) json["match"] = jsonOf(*match);
+    if (match) json["match"] = toJson(*match);
     std::cout << lineOf(json);
     return;
   }
@@ -196,7 +156,7 @@ Status run(Options options) {
   const auto description = describeFile(options);
   if (!description.ok()) return description.status;
   const bool matches = index && !index->views().empty() && description.value.described.status == DescribeStatus::Ok;
-  const Match match = matches ? nearestOf(index, description.value.described.bins) : Match{};
+  const NearestView match = matches ? nearestOf(index, description.value.described.bins) : NearestView{};
   print(options, description.value, matches ? &match : nullptr);
   const Status status = draw(options, description.value, matches ? &match : nullptr);
   return status.ok() ? statusOf(options, description.value) : status;

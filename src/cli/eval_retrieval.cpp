@@ -61,13 +61,29 @@ RetrievalScore ask(const WholeModels& unseen, std::size_t query, std::size_t des
   return scoreOf(right);
 }
 
-Json rowOf(const char* name, const RetrievalScore& mean) {
+using Scores = std::vector<RetrievalScore>;
+
+/// FIELD_minus_esf and its interval; null for ESF itself.
+void addDifference(const std::string& field, const Scores& scores, const Scores& esf, double RetrievalScore::*figure,
+                   Json& row) {
+  const std::string name = field + "_minus_esf";
+  row[name] = row[name + "_95"] = nullptr;
+  if (row["descriptor"] == "esf") return;
+  const MeanInterval difference = differenceOf(scores, esf, figure);
+  row[name] = rounded(100 * difference.mean);
+  row[name + "_95"] = Json::array({rounded(100 * difference.low), rounded(100 * difference.high)});
+}
+
+Json rowOf(const char* name, const Scores& scores, const Scores& esf) {
+  const RetrievalScore mean = meanOf(scores);
   Json row;
   row["descriptor"] = name;
   row["nn"] = rounded(100 * mean.nn);
   row["tier1"] = rounded(100 * mean.tier1);
   row["tier2"] = rounded(100 * mean.tier2);
   row["map"] = rounded(100 * mean.map);
+  addDifference("nn", scores, esf, &RetrievalScore::nn, row);
+  addDifference("map", scores, esf, &RetrievalScore::map, row);
   return row;
 }
 
@@ -99,14 +115,24 @@ Result<Json> evaluateRetrieval(const RetrievalOptions& options) {
   addSkipped(options.models, models.value, result["skipped"]);
   addSkipped(options.unseen, unseen.value, result["skipped"]);
   result["rows"] = Json::array();
-  for (std::size_t descriptor = 0; descriptor < kWholeDescriptors.size(); ++descriptor) {
-    std::vector<RetrievalScore> scores;
-    for (const std::size_t query : queries) {
-      scores.push_back(ask(unseen.value, query, descriptor, models.value, library));
-    }
-    result["rows"].push_back(rowOf(kWholeDescriptors[descriptor].name, meanOf(scores)));
+  std::array<Scores, kWholeDescriptors.size()> scores;
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    for (const std::size_t query : queries) scores[i].push_back(ask(unseen.value, query, i, models.value, library));
+  }
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    result["rows"].push_back(rowOf(kWholeDescriptors[i].name, scores[i], scores.back()));
   }
   return result;
+}
+
+/// "+1.38 (0.72 to 2.05)"; nothing for ESF itself.
+std::string differenceText(const Json& row, const std::string& name) {
+  if (row[name].is_null()) return {};
+  const Json& interval = row[name + "_95"];
+  char text[64];
+  std::snprintf(text, sizeof text, "%+.2f (%.2f to %.2f)", row[name].get<double>(), interval[0].get<double>(),
+                interval[1].get<double>());
+  return text;
 }
 
 void printRetrieval(const Json& result) {
@@ -119,11 +145,13 @@ void printRetrieval(const Json& result) {
               result["pairs"].get<unsigned>());
   if (const auto left_out = result["left_out"].get<std::size_t>(); left_out > 0)
     std::printf("%zu left out: no model of their category is there\n", left_out);
-  std::printf("%-11s %9s %11s %11s %6s\n", "descriptor", "nearest", "first tier", "second tier", "mAP");
+  std::printf("%-11s %9s %11s %11s %6s %24s %22s\n", "descriptor", "nearest", "first tier", "second tier", "mAP",
+              "nearest minus esf", "mAP minus esf");
   for (const Json& row : result["rows"]) {
-    std::printf("%-11s %9.2f %11.2f %11.2f %6.2f\n", row["descriptor"].get<std::string>().c_str(),
+    std::printf("%-11s %9.2f %11.2f %11.2f %6.2f %24s %22s\n", row["descriptor"].get<std::string>().c_str(),
                 row["nn"].get<double>(), row["tier1"].get<double>(), row["tier2"].get<double>(),
-                row["map"].get<double>());
+                row["map"].get<double>(), differenceText(row, "nn_minus_esf").c_str(),
+                differenceText(row, "map_minus_esf").c_str());
   }
 }
 

@@ -9,8 +9,7 @@
 
 namespace voxid::cli {
 
-/// As many lines as ESF draws, so that descriptors are compared at equal work; a whole model is described once, ahead of
-/// time.
+/// As many lines as ESF draws: equal work, and a whole model is described once, ahead of time.
 constexpr std::uint32_t kRetrievalPairs = 60000;
 
 struct RetrievalOptions {

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
+#include <random>
 
 namespace voxid::cli {
 namespace {
@@ -20,6 +22,13 @@ double averagePrecision(const std::vector<bool>& right) {
     sum += found / static_cast<double>(i + 1);
   }
   return sum / found;
+}
+
+/// The mean of as many values, drawn with replacement.
+double meanOfDrawn(const std::vector<double>& values, std::mt19937_64& generator) {
+  double sum = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) sum += values[generator() % values.size()];
+  return sum / static_cast<double>(values.size());
 }
 
 }  // namespace
@@ -41,6 +50,19 @@ RetrievalScore meanOf(const std::vector<RetrievalScore>& scores) {
     mean.map += score.map / n;
   }
   return mean;
+}
+
+MeanInterval differenceOf(const std::vector<RetrievalScore>& ours, const std::vector<RetrievalScore>& theirs,
+                          double RetrievalScore::*figure) {
+  constexpr std::size_t kResamplings = 2000;
+  std::vector<double> differences, means;
+  for (std::size_t i = 0; i < ours.size(); ++i) differences.push_back(ours[i].*figure - theirs[i].*figure);
+  std::mt19937_64 generator(1);
+  while (means.size() < kResamplings) means.push_back(meanOfDrawn(differences, generator));
+  std::sort(means.begin(), means.end());
+  const double sum = std::accumulate(differences.begin(), differences.end(), 0.0);
+  return {sum / static_cast<double>(differences.size()), means[kResamplings / 40],
+          means[kResamplings - 1 - kResamplings / 40]};
 }
 
 }  // namespace voxid::cli

@@ -20,4 +20,13 @@ RetrievalScore scoreOf(const std::vector<bool>& right);
 /// All zero without scores.
 RetrievalScore meanOf(const std::vector<RetrievalScore>& scores);
 
+/// A mean with 95 % of it over 2,000 resamplings (fixed seed).
+struct MeanInterval {
+  double mean = 0, low = 0, high = 0;
+};
+
+/// Of `ours` minus `theirs` in one figure of the same queries, at least one, both drawn together.
+MeanInterval differenceOf(const std::vector<RetrievalScore>& ours, const std::vector<RetrievalScore>& theirs,
+                          double RetrievalScore::*figure);
+
 }  // namespace voxid::cli

@@ -2,6 +2,7 @@
 // Folders of models, each described as a whole.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
