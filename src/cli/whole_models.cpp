@@ -49,6 +49,11 @@ class Worker {
   const WholeModels& out_;
 };
 
+/// Refuses what a build refuses.
+Result<Mesh> meshOf(const ModelFile& model) {
+  return model.clash.empty() ? readMesh(model.path) : Result<Mesh>(Status::cannotDo(model.clash));
+}
+
 Status describeInProcesses(const ModelFolder& folder, const DescriptorParams& params, int jobs, WholeModels& out) {
   const SharedBytes reasons(folder.models.size() * kReason);
   const auto reason = [&](int model) { return reinterpret_cast<char*>(reasons.data()) + model * kReason; };
@@ -57,7 +62,7 @@ Status describeInProcesses(const ModelFolder& folder, const DescriptorParams& pa
   work.items = static_cast<int>(folder.models.size());
   work.work = [&](int item) -> Result<int> {
     const auto model = static_cast<std::size_t>(item);
-    const auto mesh = readMesh(folder.models[model].path);
+    const auto mesh = meshOf(folder.models[model]);
     if (mesh.ok()) {
       worker.describe(surfacePoints(mesh.value), model);
     } else {

@@ -105,9 +105,11 @@ def test_unreadable_models_are_skipped_and_named(voxid, models, unseen, result, 
     folder = tmp_path / "unseen"
     shutil.copytree(unseen, folder)
     (folder / "cube" / "broken.ply").write_text("ply\nno more\n")
+    (folder / "cube" / "cube_u.stl").write_text("solid nothing\n")
     other = voxid("eval", "--retrieval", "--models", models, "--unseen", folder, "--json").json
-    (skipped,) = other["skipped"]
-    assert skipped["model"] == os.path.join(str(folder), "cube", "broken.ply") and skipped["reason"]
+    broken, twin = other["skipped"]
+    assert broken["model"] == os.path.join(str(folder), "cube", "broken.ply") and broken["reason"]
+    assert twin["model"].endswith("cube_u.stl") and "same name" in twin["reason"]
     assert other["queries"] == 4 and without_esf(other) == without_esf(result)
 
 
