@@ -58,14 +58,6 @@ bool differ(Span<const PointUm> points) {
   return false;
 }
 
-/// As the Describer does: at most 65,536, evenly.
-std::vector<PointUm> thinned(Span<const PointUm> points) {
-  const std::size_t kept = std::min<std::size_t>(points.size, 65536);
-  std::vector<PointUm> some;
-  for (std::size_t i = 0; i < kept; ++i) some.push_back(points[i * points.size / kept]);
-  return some;
-}
-
 /// The first `bins` of the paper's descriptor in floats.
 class FloatShapesCode : public FloatCode {
  public:
@@ -75,8 +67,7 @@ class FloatShapesCode : public FloatCode {
  private:
   const float* binsOf(Span<const PointUm> points) override {
     if (!differ(points)) return nullptr;
-    const std::vector<PointUm> some = thinned(points);
-    shapes_ = floatShapesOf({some.data(), some.size()}, params_);
+    shapes_ = floatShapesOf(points, params_);
     return shapes_.data();
   }
 

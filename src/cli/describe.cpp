@@ -6,40 +6,53 @@
 #include <cstdio>
 #include <iostream>
 #include <memory>
-#include <opencv2/imgproc.hpp>
 
 #include "command.h"
+#include "compare_codes.h"
 #include "depth_file.h"
+#include "draw_descriptor.h"
+#include "draw_lines.h"
+#include "mesh_file.h"
+#include "nearest_view.h"
 #include "point_file.h"
 #include "recogniser.h"
+#include "surface_points.h"
 #include "voxid/core/key.h"
 
 namespace voxid::cli {
 namespace {
 
 struct Options {
-  std::string file, plot;
+  std::string file, index, plot, plot_lines;
   CameraChoice camera;
   DescriptorParams params;
   bool json = false;
 };
 
 struct Description {
-  std::size_t points = 0;  ///< that the file holds; NaN and no depth not counted
+  std::vector<PointUm> points;  ///< that the file holds; NaN and no depth left out
   Described described;
 };
 
 Result<Description> describePoints(const Options& options, Describer& describer) {
   const auto points = readPointFile(options.file);
   if (!points.ok()) return points.status;
-  return Description{points.value.size(), describer.describe({points.value.data(), points.value.size()})};
+  return Description{points.value, describer.describe({points.value.data(), points.value.size()})};
+}
+
+Result<Description> describeMesh(const Options& options, Describer& describer) {
+  const auto mesh = readMeshFile(options.file);
+  if (!mesh.ok()) return mesh.status;
+  const std::vector<PointUm> points = surfacePoints(mesh.value);
+  return Description{points, describer.describe({points.data(), points.size()})};
 }
 
 Result<Description> describeImage(const Options& options, Describer& describer) {
   const auto file = readDepthFile(options.file, options.camera);
   if (!file.ok()) return file.status;
   const std::vector<std::uint32_t> pixels = setPixels(file.value.view());
-  return Description{pixels.size(), describer.describe(file.value.view(), {pixels.data(), pixels.size()})};
+  const Span<const std::uint32_t> object{pixels.data(), pixels.size()};
+  return Description{pointsOf(file.value.view(), object), describer.describe(file.value.view(), object)};
 }
 
 std::string statusText(DescribeStatus status) {
@@ -59,7 +72,7 @@ Json toJson(const Options& options, const Description& description) {
   Json json;
   json["file"] = options.file;
   json["status"] = statusText(description.described.status);
-  json["points"] = description.points;
+  json["points"] = description.points.size();
   json["descriptor"] = "paper";
   json["pairs"] = options.params.pairs;
   json["seed"] = options.params.seed;
@@ -75,7 +88,7 @@ Json toJson(const Options& options, const Description& description) {
 void printForPeople(const Options& options, const Description& description) {
   const Descriptor& bins = description.described.bins;
   std::printf("%s: %s, %zu points, key %s\n", options.file.c_str(), statusText(description.described.status).c_str(),
-              description.points, keyText(bins).c_str());
+              description.points.size(), keyText(bins).c_str());
   for (const SubHistogram& h : kSubHistograms) {
     std::printf("%s\n", h.name);
     for (int i = 0; i < h.bins; ++i) {
@@ -83,36 +96,6 @@ void printForPeople(const Options& options, const Description& description) {
                   i % 32 == 31 || i + 1 == h.bins ? "\n" : "");
     }
   }
-}
-
-/// One panel: bars over the bins, the highest bin's value at the top left.
-void drawHistogram(const SubHistogram& h, const Descriptor& bins, cv::Mat panel) {
-  constexpr int kMargin = 24;
-  const cv::Scalar ink{60, 60, 60}, bar{170, 100, 40};
-  const int width = panel.cols - 2 * kMargin, height = panel.rows - 2 * kMargin, base = panel.rows - kMargin;
-  const auto first = bins.begin() + h.first_bin;
-  const int highest = *std::max_element(first, first + h.bins);
-  for (int i = 0; i < h.bins; ++i) {
-    const int left = kMargin + width * i / h.bins, right = kMargin + width * (i + 1) / h.bins - 1;
-    const int top = base - height * first[i] / std::max(highest, 1);
-    if (first[i] > 0) cv::rectangle(panel, {left, top}, {std::max(left, right), base}, bar, cv::FILLED);
-  }
-  cv::line(panel, {kMargin, base}, {panel.cols - kMargin, base}, ink, 1);
-  const std::string title =
-      std::string(h.name) + ", " + std::to_string(h.bins) + " bins, highest " + std::to_string(highest);
-  cv::putText(panel, title, {kMargin, kMargin - 8}, cv::FONT_HERSHEY_SIMPLEX, 0.42, ink, 1, cv::LINE_AA);
-}
-
-/// The six sub-histograms side by side, as in the paper's Fig. 7.
-cv::Mat drawDescriptor(const Descriptor& bins) {
-  constexpr int kWidth = 360, kHeight = 220, kColumns = 3;
-  cv::Mat picture(2 * kHeight, kColumns * kWidth, CV_8UC3, cv::Scalar(255, 255, 255));
-  int i = 0;
-  for (const SubHistogram& h : kSubHistograms) {
-    drawHistogram(h, bins, picture({i % kColumns * kWidth, i / kColumns * kHeight, kWidth, kHeight}));
-    ++i;
-  }
-  return picture;
 }
 
 Status statusOf(const Options& options, const Description& description) {
@@ -124,42 +107,82 @@ Status statusOf(const Options& options, const Description& description) {
     case DescribeStatus::Degenerate:
       break;
   }
-  return Status::nothingFound(options.file + ": " + std::to_string(description.points) +
-                              (description.points == 1 ? " point" : " points in one place") +
+  return Status::nothingFound(options.file + ": " + std::to_string(description.points.size()) +
+                              (description.points.size() == 1 ? " point" : " points in one place") +
                               "; a descriptor needs at least two that differ");
 }
 
-Status run(const Options& options) {
-  Describer describer(options.params);
-  const auto description =
-      isPointFile(options.file) ? describePoints(options, describer) : describeImage(options, describer);
-  if (!description.ok()) return description.status;
-  if (options.json) {
-    std::cout << lineOf(toJson(options, description.value));
-  } else {
-    printForPeople(options, description.value);
-  }
+Status draw(const Options& options, const Description& description, const NearestView* match) {
+  Status status;
   if (!options.plot.empty()) {
-    const Status status = writeImage(options.plot, drawDescriptor(description.value.described.bins));
-    if (!status.ok()) return status;
+    const Descriptor& bins = description.described.bins;
+    const DrawnMatch drawn = match ? DrawnMatch{match->bins(), captionOf(*match)} : DrawnMatch{};
+    status = writeImage(options.plot, drawDescriptor(bins, match ? &drawn : nullptr));
   }
-  return statusOf(options, description.value);
+  const bool has_lines = description.described.status == DescribeStatus::Ok;
+  if (status.ok() && has_lines && !options.plot_lines.empty()) {
+    status = writeImage(options.plot_lines,
+                        drawLines({description.points.data(), description.points.size()}, options.params));
+  }
+  return status;
+}
+
+void print(const Options& options, const Description& description, const NearestView* match) {
+  if (options.json) {
+    Json json = toJson(options, description);
+    if (match) json["match"] = toJson(*match);
+    std::cout << lineOf(json);
+    return;
+  }
+  printForPeople(options, description);
+  if (match) std::printf("nearest: %s\n", captionOf(*match).c_str());
+}
+
+Result<Description> describeFile(const Options& options) {
+  Describer describer(options.params);
+  if (isPointFile(options.file)) return describePoints(options, describer);
+  if (isMeshFile(options.file)) return describeMesh(options, describer);
+  return describeImage(options, describer);
+}
+
+Status run(Options options) {
+  std::shared_ptr<const Index> index;
+  if (!options.index.empty()) {
+    const auto opened = openPaperIndex(options.index);
+    if (!opened.ok()) return opened.status;
+    index = opened.value;
+    options.params = index->descriptorParams();
+  }
+  const auto description = describeFile(options);
+  if (!description.ok()) return description.status;
+  const bool matches = index && !index->views().empty() && description.value.described.status == DescribeStatus::Ok;
+  const NearestView match = matches ? nearestOf(index, description.value.described.bins) : NearestView{};
+  print(options, description.value, matches ? &match : nullptr);
+  const Status status = draw(options, description.value, matches ? &match : nullptr);
+  return status.ok() ? statusOf(options, description.value) : status;
 }
 
 }  // namespace
 
 Run addDescribe(CLI::App& app) {
   const auto options = std::make_shared<Options>();
-  app.add_option("file", options->file, "A depth image whose set pixels are the object, or points (.pcd, .xyz; metres)")
+  app.add_option("file", options->file,
+                 "A depth image whose set pixels are the object, points (.pcd, .xyz; metres), or a mesh: a whole model")
       ->type_name("FILE")
       ->required();
   options->camera.addTo(app);
-  app.add_option("--pairs", options->params.pairs, "Lines drawn")
+  CLI::Option* const pairs = app.add_option("--pairs", options->params.pairs, "Lines drawn")
       ->capture_default_str()
       ->check(CLI::Range(1u, 1000000u));
-  app.add_option("--seed", options->params.seed, "Of the generator that draws them")->capture_default_str();
+  CLI::Option* const seed =
+      app.add_option("--seed", options->params.seed, "Of the generator that draws them")->capture_default_str();
+  app.add_option("--index", options->index, "Also find the nearest view of this index; --plot draws it too")
+      ->type_name("FILE")
+      ->excludes(pairs, seed);
   app.add_flag("--json", options->json, "One JSON object");
   app.add_option("--plot", options->plot, "Draw the six histograms")->type_name("PATH.png");
+  app.add_option("--plot-lines", options->plot_lines, "Draw the voxel grid and the lines ON, OFF and MIXED")
+      ->type_name("PATH.png");
   return [options] { return run(*options); };
 }
 

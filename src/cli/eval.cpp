@@ -7,18 +7,19 @@
 #include "command.h"
 #include "compare.h"
 #include "eval_queries.h"
+#include "eval_retrieval.h"
 #include "eval_scenes.h"
 
 namespace voxid::cli {
 namespace {
 
 struct Options {
-  std::string index, queries, confusion;
+  std::string index, queries, confusion, unseen;
   CompareOptions compare;
   SceneOptions scenes;
   SearchChoice search;
   int every = 1, jobs = 1;
-  bool json = false, comparing = false;
+  bool json = false, comparing = false, retrieval = false;
 };
 
 std::string intervalText(const Json& interval) {
@@ -99,7 +100,37 @@ Status evaluateReal(const Options& options, const std::shared_ptr<const Index>& 
   return {};
 }
 
+/// The index, if one is named, says how the descriptor is made.
+Status retrieve(const Options& options) {
+  RetrievalOptions retrieval;
+  retrieval.models = options.compare.models;
+  retrieval.unseen = options.unseen;
+  retrieval.jobs = options.jobs;
+  if (!options.index.empty()) {
+    const auto index = Index::open(options.index);
+    if (!index.ok()) return index.status;
+    retrieval.params = index.value->descriptorParams();
+  }
+  const auto result = evaluateRetrieval(retrieval);
+  if (!result.ok()) return result.status;
+  if (options.json) {
+    std::cout << lineOf(result.value);
+  } else {
+    printRetrieval(result.value);
+  }
+  return {};
+}
+
+Status checkRetrieval(const Options& options) {
+  if (options.compare.models.empty() || options.unseen.empty()) {
+    return Status::badUse("--retrieval needs --models DIR, what is searched, and --unseen DIR, what is asked for");
+  }
+  return {};
+}
+
 Status check(const Options& options) {
+  if (options.retrieval) return checkRetrieval(options);
+  if (options.index.empty()) return Status::badUse("--index is required, except with --retrieval; see --help");
   if (options.queries.empty() == options.scenes.folder.empty()) {
     return Status::badUse("eval needs either --queries DIR or --scenes DIR");
   }
@@ -111,6 +142,7 @@ Status check(const Options& options) {
 
 Status run(const Options& options) {
   if (Status status = check(options); !status.ok()) return status;
+  if (options.retrieval) return retrieve(options);
   const auto index = Index::open(options.index);
   if (!index.ok()) return index.status;
   if (const Status fits = options.search.check(*index.value); !fits.ok()) return fits;
@@ -122,10 +154,11 @@ Status run(const Options& options) {
 
 Run addEval(CLI::App& app) {
   const auto options = std::make_shared<Options>();
-  app.add_option("--index", options->index, "The index (.vxi) to measure")->type_name("FILE")->required();
-  app.add_option("--queries", options->queries,
-                 "Depth images of one object each, with queries.csv (file,category,model)")
-      ->type_name("DIR");
+  app.add_option("--index", options->index, "The index (.vxi) to measure")->type_name("FILE");
+  CLI::Option* const queries =
+      app.add_option("--queries", options->queries,
+                     "Depth images of one object each, with queries.csv (file,category,model)")
+          ->type_name("DIR");
   CLI::Option* const scenes = app.add_option("--scenes", options->scenes.folder,
                                              "Real scenes with labels and objects.json, instead of --queries")
                                   ->type_name("DIR");
@@ -137,16 +170,24 @@ Run addEval(CLI::App& app) {
                  "With --scenes: a JSON file of what their categories may be called (default: cfg/aliases.json)")
       ->type_name("FILE")
       ->needs(scenes);
-  app.add_flag("--compare", options->comparing,
-               "Descriptors beside one another on the same views; PCL's ESF among them");
-  app.add_option("--models", options->compare.models, "With --compare: the folder that the index was made from")
+  CLI::Option* const comparing = app.add_flag(
+      "--compare", options->comparing, "Descriptors beside one another on the same views; PCL's ESF among them");
+  CLI::Option* const retrieval =
+      app.add_flag("--retrieval", options->retrieval,
+                   "Whole models asked for among whole models, instead of views; needs no index")
+          ->excludes(queries, scenes, comparing);
+  app.add_option("--models", options->compare.models,
+                 "With --compare: the folder that the index was made from; with --retrieval: the models searched")
       ->type_name("DIR");
+  app.add_option("--unseen", options->unseen, "With --retrieval: the models asked for, <category>/<model>.<ext>")
+      ->type_name("DIR")
+      ->needs(retrieval);
   app.add_option("--every", options->every,
                  "Take each N-th query only; with --compare every query, and each N-th view of the index")
       ->type_name("N")
       ->check(CLI::Range(1, 1000000));
   app.add_option("--jobs", options->jobs,
-                 "Threads; more finish sooner, but a query's time is measured best with 1, the default")
+                 "Threads or processes; more finish sooner, but a query's time is measured best with 1, the default")
       ->type_name("N")
       ->check(CLI::Range(1, 256));
   options->search.addTo(app);

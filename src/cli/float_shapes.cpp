@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "float_shapes.h"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "../core/pair_sampler.h"
-#include "voxid/core/trace.h"
 
 namespace voxid::cli {
 namespace {
@@ -15,11 +12,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kNormaliser = 3.4;  // D, in root mean square distances from the centroid
-
-struct Sample {
-  Vector3d p;  // from the centroid, in units of D
-  Cell cell;
-};
 
 Vector3d vectorOf(const PointUm& p) { return {1.0 * p.x, 1.0 * p.y, 1.0 * p.z}; }
 
@@ -30,27 +22,11 @@ Cell cellOf(const Vector3d& p) {
   return {along(p.x()), along(p.y()), along(p.z())};
 }
 
-std::vector<Sample> samplesOf(Span<const PointUm> points) {
-  Vector3d centroid = Vector3d::Zero();
-  for (const PointUm& p : points) centroid += vectorOf(p);
-  centroid /= static_cast<double>(points.size);
-  double squares = 0;
-  for (const PointUm& p : points) squares += (vectorOf(p) - centroid).squaredNorm();
-  const double d = kNormaliser * std::sqrt(squares / static_cast<double>(points.size));
-  std::vector<Sample> samples;
-  for (const PointUm& point : points) {
-    const Vector3d p = (vectorOf(point) - centroid) / d;
-    samples.push_back({p, cellOf(p)});
-  }
-  return samples;
-}
-
-VoxelGrid surfaceOf(const std::vector<Sample>& samples) {
-  VoxelGrid surface;
-  for (const Sample& sample : samples) surface.set(sample.cell);
-  surface.thicken();
-  surface.close();
-  return surface;
+std::vector<PointUm> evenly(Span<const PointUm> points) {
+  const std::size_t kept = std::min<std::size_t>(points.size, 65536);
+  std::vector<PointUm> some;
+  for (std::size_t i = 0; i < kept; ++i) some.push_back(points[i * points.size / kept]);
+  return some;
 }
 
 int binOf(double share, int bins) { return std::min(static_cast<int>(share * bins), bins - 1); }
@@ -61,7 +37,7 @@ void count(FloatShapes& shapes, int histogram, double share) {
   ++shapes[static_cast<std::size_t>(h.first_bin + binOf(share, h.bins))];
 }
 
-void addPair(const VoxelGrid& surface, const Sample& a, const Sample& b, FloatShapes& shapes) {
+void addPair(const VoxelGrid& surface, const FloatSample& a, const FloatSample& b, FloatShapes& shapes) {
   constexpr int kCoarse = 0, kFineHistogram = 1, kOn = 2, kRatio = 5;
   const double distance = (a.p - b.p).norm();
   const Trace line = walk(surface, a.cell, b.cell);
@@ -74,10 +50,35 @@ void addPair(const VoxelGrid& surface, const Sample& a, const Sample& b, FloatSh
 
 }  // namespace
 
+std::vector<FloatSample> samplesOf(Span<const PointUm> all) {
+  const std::vector<PointUm> points = evenly(all);
+  const auto n = static_cast<double>(points.size());
+  Vector3d centroid = Vector3d::Zero();
+  for (const PointUm& p : points) centroid += vectorOf(p);
+  centroid /= n;
+  double squares = 0;
+  for (const PointUm& p : points) squares += (vectorOf(p) - centroid).squaredNorm();
+  const double d = kNormaliser * std::sqrt(squares / n);
+  std::vector<FloatSample> samples;
+  for (const PointUm& point : points) {
+    const Vector3d p = (vectorOf(point) - centroid) / d;
+    samples.push_back({p, cellOf(p)});
+  }
+  return samples;
+}
+
+VoxelGrid surfaceOf(const std::vector<FloatSample>& samples) {
+  VoxelGrid surface;
+  for (const FloatSample& sample : samples) surface.set(sample.cell);
+  surface.thicken();
+  surface.close();
+  return surface;
+}
+
 FloatShapes floatShapesOf(Span<const PointUm> points, const DescriptorParams& params) {
-  const std::vector<Sample> samples = samplesOf(points);
+  const std::vector<FloatSample> samples = samplesOf(points);
   const VoxelGrid surface = surfaceOf(samples);
-  PairSampler pairs(params.seed, static_cast<std::uint32_t>(points.size));
+  PairSampler pairs(params.seed, static_cast<std::uint32_t>(samples.size()));
   FloatShapes shapes{};
   for (std::uint32_t i = 0; i < params.pairs; ++i) {
     const auto [first, second] = pairs.next();

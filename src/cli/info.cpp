@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 
+#include "bucket.h"
 #include "command.h"
 #include "recogniser.h"
 
@@ -13,7 +14,7 @@ namespace voxid::cli {
 namespace {
 
 struct Options {
-  std::string file;
+  std::string file, bucket, plot, models;
   bool json = false, categories = false;
 };
 
@@ -95,9 +96,26 @@ void printForPeople(const Index& index, bool with_categories) {
   }
 }
 
+Status showBucket(const Options& options, const Index& index) {
+  const auto bucket = findBucket(index, options.bucket);
+  if (!bucket.ok()) return bucket.status;
+  if (options.json) {
+    std::cout << lineOf(toJson(index, bucket.value));
+  } else {
+    printBucket(index, bucket.value);
+  }
+  if (options.plot.empty()) return {};
+  const auto picture = drawBucket(index, bucket.value, options.models);
+  return picture.ok() ? writeImage(options.plot, picture.value) : picture.status;
+}
+
 Status run(const Options& options) {
+  if (!options.plot.empty() && options.models.empty()) {
+    return Status::badUse("--plot needs --models DIR, the folder that the index was made from");
+  }
   const auto index = Index::open(options.file);
   if (!index.ok()) return index.status;
+  if (!options.bucket.empty()) return showBucket(options, *index.value);
   if (options.json) {
     std::cout << lineOf(toJson(*index.value, options.categories));
   } else {
@@ -113,6 +131,14 @@ Run addInfo(CLI::App& app) {
   app.add_option("file", options->file, "The index (.vxi)")->type_name("FILE")->required();
   app.add_flag("--json", options->json, "One JSON object");
   app.add_flag("--categories", options->categories, "List the categories with their numbers of models");
+  CLI::Option* const bucket =
+      app.add_option("--bucket", options->bucket, "List the views that share a hash key: 0x... or that of view:N")
+          ->type_name("KEY");
+  CLI::Option* const plot =
+      app.add_option("--plot", options->plot, "Draw them")->type_name("PATH.png")->needs(bucket);
+  app.add_option("--models", options->models, "With --plot: the folder that the index was made from")
+      ->type_name("DIR")
+      ->needs(plot);
   return [options] { return run(*options); };
 }
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "command.h"
+#include "mesh_file.h"
 #include "table_scene.h"
-#include "voxid/library/mesh_reader.h"
 #include "voxid/library/sensor_model.h"
 #include "voxid/library/views.h"
 
@@ -58,13 +58,6 @@ Status writeCameraInfo(const fs::path& folder, const Imager& imager) {
   return file ? Status{} : cannotWrite(path);
 }
 
-Result<Mesh> readNamed(const std::string& path) {
-  Result<Mesh> mesh = readMesh(path);
-  const bool named = mesh.status.sentence.compare(0, path.size(), path) == 0;
-  if (!mesh.ok() && !named) mesh.status.sentence = path + ": " + mesh.status.sentence;
-  return mesh;
-}
-
 /// Two streams of seeds, one for where things are, one for the sensor's noise.
 std::uint64_t poseSeed(const Options& options, int number) { return options.seed * 1000003 + 2 * static_cast<std::uint64_t>(number); }
 std::uint64_t noiseSeed(const Options& options, int number) { return poseSeed(options, number) + 1; }
@@ -82,7 +75,7 @@ Status renderView(const Options& options, const RayScene& scene, int view) {
 
 Status renderModel(const Options& options) {
   if (options.mesh.empty()) return Status::badUse("render: which mesh? Give a file, or --table with --models; see --help");
-  const Result<Mesh> mesh = readNamed(options.mesh);
+  const Result<Mesh> mesh = readMeshFile(options.mesh);
   if (!mesh.ok()) return mesh.status;
   Status status = makeFolder(options.out);
   if (status.ok()) status = writeCameraInfo(options.out, Imager());
@@ -106,7 +99,7 @@ Result<double> sizeOf(const Options& options, std::size_t number, const Mesh& me
 Result<std::vector<Prop>> readProps(const Options& options) {
   std::vector<Prop> props;
   for (std::size_t i = 0; i < options.models.size(); ++i) {
-    Result<Mesh> mesh = readNamed(options.models[i]);
+    Result<Mesh> mesh = readMeshFile(options.models[i]);
     if (!mesh.ok()) return mesh.status;
     const Result<double> size_mm = sizeOf(options, i, mesh.value);
     if (!size_mm.ok()) return size_mm.status;

@@ -3,6 +3,8 @@ import cv2
 import numpy as np
 import pytest
 
+import solids
+
 BINS = {"D2 coarse": 32, "D2 fine": 128, "ON": 64, "OFF": 64, "MIXED": 64, "ratio": 64}
 
 
@@ -125,3 +127,103 @@ def test_the_plot_shows_six_panels(voxid, depth_file, slab, tmp_path):
     assert picture.shape == (440, 1080, 3)
     panels = [picture[y:y + 220, x:x + 360] for y in (0, 220) for x in (0, 360, 720)]
     assert all((panel < 250).any() for panel in panels)
+
+
+def test_a_mesh_is_described_as_a_whole(voxid, models):
+    ball = voxid("describe", models / "ball" / "ball_a.ply", "--json").json
+    assert (ball["status"], ball["points"]) == ("ok", 16384)
+    assert voxid("describe", models / "ball" / "ball_a.ply", "--json").json == ball
+    # Every point is a radius R from the centroid, two of them never farther apart than 2 R of the 3.4 R that a
+    # histogram covers, and the density of their distances grows up to that.
+    coarse = ball["histograms"]["D2 coarse"]
+    assert coarse.index(max(coarse)) in (17, 18) and not any(coarse[20:])
+    assert max(ball["histograms"]["OFF"]) > max(ball["histograms"]["ON"]), "lines cross the hollow"
+
+
+def test_a_mesh_counts_by_area_not_by_triangles(voxid, tmp_path):
+    """The same box, one side of it cut into many triangles."""
+    corners, triangles = solids.box(1.0, 0.8, 0.6)
+    solids.write_ply(tmp_path / "plain.ply", (corners, triangles))
+    a, b, c = triangles.pop(0)
+    n = 24
+    corners = corners + [tuple(corners[a][k] + (corners[b][k] - corners[a][k]) * i / n for k in range(3)) for i in range(n + 1)]
+    triangles += [(8 + i, 8 + i + 1, c) for i in range(n)]
+    solids.write_ply(tmp_path / "cut.ply", (corners, triangles))
+    plain, cut = (np.array(voxid("describe", tmp_path / f"{name}.ply", "--json").json["bins"]) for name in ("plain", "cut"))
+    assert np.abs(plain - cut).sum() < 1500 < np.abs(plain - voxid_bins_of_ball(voxid, tmp_path)).sum()
+
+
+def voxid_bins_of_ball(voxid, folder):
+    solids.write_ply(folder / "ball.ply", solids.ball())
+    return np.array(voxid("describe", folder / "ball.ply", "--json").json["bins"])
+
+
+def test_a_mesh_that_cannot_be_read(voxid, tmp_path):
+    (tmp_path / "cut.ply").write_text("ply\nformat ascii 1.0\n")
+    answer = voxid("describe", tmp_path / "cut.ply")
+    answer.refuses(answer.code, "cut.ply")
+    assert answer.code in (1, 4)
+    voxid("describe", tmp_path / "none.obj").refuses(1, "none.obj")
+
+
+def shows(panel, blue, green, red):
+    """Pixels of about this colour."""
+    return (np.abs(panel.astype(int) - (blue, green, red)).max(axis=2) < 40).sum()
+
+
+GREEN, RED, BLUE = (60, 150, 30), (40, 30, 210), (200, 90, 30)
+
+
+def line_panels(path):
+    picture = cv2.imread(str(path))
+    assert picture.shape == (960, 960, 3)
+    return [picture[y:y + 480, x:x + 480] for y in (0, 480) for x in (0, 480)]
+
+
+def test_lines_have_a_panel_a_kind(voxid, models, tmp_path):
+    assert voxid("describe", models / "ball" / "ball_a.ply", "--plot-lines", tmp_path / "l.png").code == 0
+    grid, *kinds = line_panels(tmp_path / "l.png")
+    assert (grid < 230).any(axis=2).sum() > 480 * 480 / 4, "the grid fills its panel"
+    for panel, colour in zip(kinds, (GREEN, RED, BLUE)):
+        for other in (GREEN, RED, BLUE):
+            assert (shows(panel, *other) > 100) == (other == colour)
+
+
+def test_no_line_leaves_a_plate(voxid, depth_file, slab, tmp_path):
+    assert voxid("describe", depth_file("slab.png", slab), "--plot-lines", tmp_path / "l.png").code == 0
+    _, on, off, _ = line_panels(tmp_path / "l.png")
+    assert shows(on, *GREEN) > 100 and shows(off, *RED) == 0
+
+
+@pytest.mark.parametrize("points", [[(0, 0, 1), (0.1, 0, 1)], [(0, 0, 1 + i / 1000) for i in range(100)]])
+def test_lines_of_a_line(voxid, tmp_path, points):
+    answer = voxid("describe", write_xyz(tmp_path / "few.xyz", points), "--plot-lines", tmp_path / "l.png")
+    assert answer.code == 0 and len(line_panels(tmp_path / "l.png")) == 4
+
+
+def test_one_point_has_no_lines(voxid, tmp_path):
+    answer = voxid("describe", write_xyz(tmp_path / "one.xyz", [(0, 0, 1)]), "--plot-lines", tmp_path / "l.png")
+    answer.refuses(3, "at least two")
+    assert not (tmp_path / "l.png").exists()
+
+
+def test_the_nearest_view_is_the_one_that_classify_finds(voxid, index, views, tmp_path):
+    image = views("tin", "tin_a", 17)
+    line = voxid("describe", image, "--index", index, "--plot", tmp_path / "d.png", "--json").json
+    answer = voxid("classify", image, "--index", index, "--1nn", "--json").json
+    assert line["match"]["model"] == f"{answer['label']}/{answer['model']}"
+    assert line["match"]["direction"] == answer["view"]
+    assert line["match"]["distance"] == answer["alternatives"][0]["distance"]
+    assert line["bins"] == voxid("describe", image, "--json").json["bins"], "an index's lines and seed are the usual ones"
+    assert f"nearest: {line['match']['model']}, direction" in voxid("describe", image, "--index", index).out
+    picture = cv2.imread(str(tmp_path / "d.png"))
+    assert picture.shape == (468, 1080, 3)
+    panels = [picture[y:y + 220, x:x + 360] for y in (28, 248) for x in (0, 360, 720)]
+    assert all(shows(panel, 80, 180, 70) > 100 and shows(panel, *RED) > 100 for panel in panels[:2])
+
+
+def test_a_match_needs_two_points_and_the_lines_of_its_index(voxid, index, depth_file, slab):
+    image = depth_file("slab.png", slab)
+    voxid("describe", image, "--index", index, "--pairs", 500).refuses(2, "--index", "--pairs")
+    voxid("describe", image, "--index", image).refuses(4, image.name)
+    voxid("describe", depth_file("none.png", slab * 0), "--index", index).refuses(3, "no point")

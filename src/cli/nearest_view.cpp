@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "nearest_view.h"
+
+namespace voxid::cli {
+
+std::string NearestView::model() const {
+  const std::uint32_t number = index->views()[found.view].model;
+  if (number >= index->models().size) return {};  // a damaged file; `verify` says where
+  return std::string(index->categoryName(index->models()[number].category)) + "/" +
+         std::string(index->modelName(number));
+}
+
+Result<std::shared_ptr<const Index>> openPaperIndex(const std::string& path) {
+  auto index = Index::open(path);
+  if (index.ok() && index.value->parameters().code_bytes != kDescriptorBytes) {
+    return Status::cannotDo(path + ": holds other descriptors than the paper's; expected an index of profile paper");
+  }
+  return index;
+}
+
+NearestView nearestOf(std::shared_ptr<const Index> index, const Descriptor& bins) {
+  const auto search = makeExactSearch(index);
+  return {std::move(index), search->find(bins.data()).views[0]};
+}
+
+Json toJson(const NearestView& nearest) {
+  Json json;
+  json["view"] = nearest.found.view;
+  json["model"] = nearest.model();
+  json["direction"] = nearest.direction();
+  json["distance"] = nearest.found.distance;
+  return json;
+}
+
+std::string captionOf(const NearestView& nearest) {
+  return nearest.model() + ", direction " + std::to_string(nearest.direction()) + ", L1 distance " +
+         std::to_string(nearest.found.distance);
+}
+
+}  // namespace voxid::cli
