@@ -27,7 +27,7 @@ std::string keyText(Key key) {
 
 /// <category>/<model> of a view.
 std::string nameOf(const Index& index, std::uint32_t view) {
-  const std::uint32_t model = index.views()[view].model;
+  const std::uint32_t model = index.modelOf(view);
   if (model >= index.models().size) return {};  // a damaged file; `verify` says where
   return std::string(index.categoryName(index.models()[model].category)) + "/" + std::string(index.modelName(model));
 }
@@ -44,12 +44,12 @@ Result<Key> wantedKey(const Index& index, const std::string& wanted) {
   if (wanted.compare(0, kView.size(), kView) != 0 || !parse(wanted.substr(kView.size()), 10, number)) {
     return Status::badUse("--bucket " + wanted + ": expected a key such as 0x0020001008020 or view:N");
   }
-  const std::size_t views = index.views().size;
+  const std::size_t views = index.viewCount();
   if (number >= views) {
     return Status::badUse("--bucket " + wanted + ": " + index.path() + " has " + std::to_string(views) +
                           " views, numbered from 0");
   }
-  return keyOf(index.code(static_cast<std::uint32_t>(number)));
+  return bucketKeyOf(index.profile(), index.code(static_cast<std::uint32_t>(number)));
 }
 
 // ---- the picture -----------------------------------------------------------------------------------------------
@@ -145,9 +145,6 @@ std::string titleOf(const Bucket& bucket, std::size_t drawn) {
 }  // namespace
 
 Result<Bucket> findBucket(const Index& index, const std::string& wanted) {
-  if (index.parameters().code_bytes != kDescriptorBytes) {
-    return Status::cannotDo(index.path() + ": has no keys of the paper; expected an index of profile paper");
-  }
   const auto key = wantedKey(index, wanted);
   if (!key.ok()) return key.status;
   const Span<const Key> keys = index.keys();
@@ -155,7 +152,7 @@ Result<Bucket> findBucket(const Index& index, const std::string& wanted) {
   Bucket bucket{key.value, {}};
   if (found != keys.end() && *found == key.value) {
     for (const std::uint32_t view : index.bucket(static_cast<std::uint32_t>(found - keys.begin()))) {
-      if (view < index.views().size) bucket.views.push_back(view);
+      if (view < index.viewCount()) bucket.views.push_back(view);
     }
   }
   if (bucket.views.empty()) return Status::nothingFound(index.path() + ": no view has the key " + keyText(key.value));
@@ -168,7 +165,7 @@ Json toJson(const Index& index, const Bucket& bucket) {
   json["views"] = Json::array();
   for (const std::uint32_t view : bucket.views) {
     json["views"].push_back(
-        {{"view", view}, {"model", nameOf(index, view)}, {"direction", index.views()[view].direction}});
+        {{"view", view}, {"model", nameOf(index, view)}, {"direction", index.view(view).direction}});
   }
   return json;
 }
@@ -176,7 +173,7 @@ Json toJson(const Index& index, const Bucket& bucket) {
 void printBucket(const Index& index, const Bucket& bucket) {
   std::printf("%s\n", titleOf(bucket, bucket.views.size()).c_str());
   for (const std::uint32_t view : bucket.views) {
-    std::printf("%9u  direction %2d  %s\n", view, index.views()[view].direction, nameOf(index, view).c_str());
+    std::printf("%9u  direction %2d  %s\n", view, index.view(view).direction, nameOf(index, view).c_str());
   }
 }
 
@@ -191,7 +188,7 @@ Result<cv::Mat> drawBucket(const Index& index, const Bucket& bucket, const std::
   for (int i = 0; i < static_cast<int>(views.size()); ++i) {
     const std::uint32_t view = views[static_cast<std::size_t>(i)];
     const std::string name = nameOf(index, view);
-    const auto seen = studio.look(name, index.views()[view].direction);
+    const auto seen = studio.look(name, index.view(view).direction);
     if (!seen.ok()) return seen.status;
     const int x = i % kColumns * kThumbnail, y = kCaption + i / kColumns * kCellHeight;
     drawThumbnail(seen.value, name, picture({x, y, kThumbnail, kCellHeight}));

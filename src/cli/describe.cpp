@@ -155,7 +155,7 @@ Status run(Options options) {
   }
   const auto description = describeFile(options);
   if (!description.ok()) return description.status;
-  const bool matches = index && !index->views().empty() && description.value.described.status == DescribeStatus::Ok;
+  const bool matches = index && index->viewCount() > 0 && description.value.described.status == DescribeStatus::Ok;
   const NearestView match = matches ? nearestOf(index, description.value.described.bins) : NearestView{};
   print(options, description.value, matches ? &match : nullptr);
   const Status status = draw(options, description.value, matches ? &match : nullptr);

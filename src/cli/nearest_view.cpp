@@ -4,7 +4,7 @@
 namespace voxid::cli {
 
 std::string NearestView::model() const {
-  const std::uint32_t number = index->views()[found.view].model;
+  const std::uint32_t number = index->modelOf(found.view);
   if (number >= index->models().size) return {};  // a damaged file; `verify` says where
   return std::string(index->categoryName(index->models()[number].category)) + "/" +
          std::string(index->modelName(number));
@@ -12,8 +12,8 @@ std::string NearestView::model() const {
 
 Result<std::shared_ptr<const Index>> openPaperIndex(const std::string& path) {
   auto index = Index::open(path);
-  if (index.ok() && index.value->parameters().code_bytes != kDescriptorBytes) {
-    return Status::cannotDo(path + ": holds other descriptors than the paper's; expected an index of profile paper");
+  if (index.ok() && index.value->projection()) {
+    return Status::cannotDo(path + ": is of descriptor default; expected one made with `voxid build --descriptor paper`");
   }
   return index;
 }

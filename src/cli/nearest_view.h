@@ -16,7 +16,7 @@ struct NearestView {
 
   const std::uint8_t* bins() const { return index->code(found.view); }  ///< 416
   std::string model() const;                                            ///< <category>/<model>
-  int direction() const { return index->views()[found.view].direction; }
+  int direction() const { return index->view(found.view).direction; }
 };
 
 /// Index::open(), which also refuses (CannotDo) an index of other descriptors than the paper's.

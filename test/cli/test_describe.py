@@ -207,23 +207,24 @@ def test_one_point_has_no_lines(voxid, tmp_path):
     assert not (tmp_path / "l.png").exists()
 
 
-def test_the_nearest_view_is_the_one_that_classify_finds(voxid, index, views, tmp_path):
+def test_the_nearest_view_is_the_one_that_classify_finds(voxid, paper_index, views, tmp_path):
     image = views("tin", "tin_a", 17)
-    line = voxid("describe", image, "--index", index, "--plot", tmp_path / "d.png", "--json").json
-    answer = voxid("classify", image, "--index", index, "--1nn", "--json").json
+    line = voxid("describe", image, "--index", paper_index, "--plot", tmp_path / "d.png", "--json").json
+    answer = voxid("classify", image, "--index", paper_index, "--1nn", "--json").json
     assert line["match"]["model"] == f"{answer['label']}/{answer['model']}"
     assert line["match"]["direction"] == answer["view"]
     assert line["match"]["distance"] == answer["alternatives"][0]["distance"]
     assert line["bins"] == voxid("describe", image, "--json").json["bins"], "an index's lines and seed are the usual ones"
-    assert f"nearest: {line['match']['model']}, direction" in voxid("describe", image, "--index", index).out
+    assert f"nearest: {line['match']['model']}, direction" in voxid("describe", image, "--index", paper_index).out
     picture = cv2.imread(str(tmp_path / "d.png"))
     assert picture.shape == (468, 1080, 3)
     panels = [picture[y:y + 220, x:x + 360] for y in (28, 248) for x in (0, 360, 720)]
     assert all(shows(panel, 80, 180, 70) > 100 and shows(panel, *RED) > 100 for panel in panels[:2])
 
 
-def test_a_match_needs_two_points_and_the_lines_of_its_index(voxid, index, depth_file, slab):
+def test_a_match_needs_two_points_and_the_lines_of_its_index(voxid, index, paper_index, depth_file, slab):
     image = depth_file("slab.png", slab)
-    voxid("describe", image, "--index", index, "--pairs", 500).refuses(2, "--index", "--pairs")
+    voxid("describe", image, "--index", index).refuses(1, index.name, "--descriptor paper")
+    voxid("describe", image, "--index", paper_index, "--pairs", 500).refuses(2, "--index", "--pairs")
     voxid("describe", image, "--index", image).refuses(4, image.name)
-    voxid("describe", depth_file("none.png", slab * 0), "--index", index).refuses(3, "no point")
+    voxid("describe", depth_file("none.png", slab * 0), "--index", paper_index).refuses(3, "no point")

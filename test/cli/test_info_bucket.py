@@ -5,6 +5,11 @@ import cv2
 import pytest
 
 
+@pytest.fixture(scope="module", params=["index", "paper_index"])
+def index(request):
+    return request.getfixturevalue(request.param)
+
+
 @pytest.fixture(scope="module")
 def bucket(voxid, index):
     """Of the first views, the largest bucket."""
