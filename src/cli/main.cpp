@@ -22,6 +22,7 @@ struct SubCommand {
 };
 
 constexpr SubCommand kSubCommands[] = {
+    {"add", "Render models into an index that is there", addAdd},
     {"bench", "Measure descriptors and searches beside other libraries", addBench},
     {"build", "Render models from 80 directions and write an index", addBuild},
     {"capture", "List depth cameras, or record one", addCapture},
@@ -29,6 +30,8 @@ constexpr SubCommand kSubCommands[] = {
     {"describe", "Print the descriptor of an object", addDescribe},
     {"eval", "Measure an index on labelled queries", addEval},
     {"info", "Say what an index holds", addInfo},
+    {"merge", "Put indices together", addMerge},
+    {"remove", "Take categories or models out of an index", addRemove},
     {"render", "Render a model, or a table with models on it, to depth images", addRender},
     {"segment", "Find the table and what stands on it in depth images", addSegment},
     {"train", "Learn the projection of the default descriptor from models", addTrain},

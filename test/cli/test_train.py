@@ -10,7 +10,7 @@ def projection(voxid, models, tmp_path_factory, request):
     path = tmp_path_factory.mktemp("projection") / f"solids{request.param}.vxp"
     answer = voxid("train", "--models", models, "-o", path, "--bytes", request.param, "--lists", 16, "--pairs", 1500, "--jobs", 2)
     assert answer.code == 0, answer.err
-    assert "140 views of 7 models in 6 categories" in answer.err
+    assert "560 views of 7 models in 6 categories" in answer.err
     return path
 
 
@@ -41,7 +41,7 @@ def test_the_bytes_do_not_depend_on_jobs(voxid, models, projection, tmp_path):
 def test_categories_can_be_left_out(voxid, models, tmp_path):
     (tmp_path / "without.txt").write_text("# not these\ncube\nrod\n")
     answer = voxid("train", "--models", models, "-o", tmp_path / "x.vxp", "--without", tmp_path / "without.txt", "--lists", 8)
-    assert answer.code == 0 and "80 views of 4 models in 4 categories" in answer.err
+    assert answer.code == 0 and "320 views of 4 models in 4 categories" in answer.err
 
 
 def test_what_cannot_be_learnt_from(voxid, models, tmp_path):
