@@ -5,6 +5,7 @@
 
 #include "bench.h"
 #include "bench_search.h"
+#include "compare_codes.h"
 #include "voxid/core/search.h"
 
 namespace voxid::cli {
@@ -59,7 +60,7 @@ Json scanRow(std::size_t count, const std::vector<BenchQuery>& queries) {
 }
 
 std::vector<BenchQuery> queriesOf(const Index& index, const std::vector<BenchView>& views) {
-  Describer describer(index.projection() ? DescriptorParams() : index.descriptorParams());
+  Describer describer(paperParamsOf(index));
   const auto encoder = makeEncoder(index.profile());
   std::vector<BenchQuery> queries;
   for (const BenchView& view : views) {

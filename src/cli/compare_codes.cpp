@@ -92,8 +92,10 @@ class ProfileCode : public ViewCode {
 
 }  // namespace
 
+DescriptorParams paperParamsOf(const Index& index) { return index.projection() ? DescriptorParams{} : index.descriptorParams(); }
+
 std::vector<std::unique_ptr<ViewCode>> comparedCodes(const Index& index) {
-  const DescriptorParams params = index.projection() ? DescriptorParams{} : index.descriptorParams();
+  const DescriptorParams params = paperParamsOf(index);
   std::vector<std::unique_ptr<ViewCode>> codes;
   codes.push_back(std::make_unique<EsfCode>());
   codes.push_back(std::make_unique<FloatShapesCode>("d2", kDistanceBins, params));

@@ -33,6 +33,9 @@ class ViewCode {
 /// descriptor comes last.
 std::vector<std::unique_ptr<ViewCode>> comparedCodes(const Index& index);
 
+/// How the paper's descriptor is made beside an index: as the index's own, where it is of that profile, else as usual.
+DescriptorParams paperParamsOf(const Index& index);
+
 /// The descriptor that the index was made with: describes as its views were, compares as its search does.
 std::unique_ptr<ViewCode> ownCode(const Index& index);
 

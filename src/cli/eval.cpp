@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "command.h"
+#include "compare_codes.h"
 #include "compare.h"
 #include "eval_queries.h"
 #include "eval_retrieval.h"
@@ -109,7 +110,7 @@ Status retrieve(const Options& options) {
   if (!options.index.empty()) {
     const auto index = Index::open(options.index);
     if (!index.ok()) return index.status;
-    retrieval.params = index.value->descriptorParams();
+    retrieval.params = paperParamsOf(*index.value);
   }
   const auto result = evaluateRetrieval(retrieval);
   if (!result.ok()) return result.status;

@@ -85,16 +85,25 @@ class ListSearch : public Search {
   }
 
   void gather() {
-    const std::size_t pool = std::min<std::size_t>(kListPool, candidates_.size());
-    const auto middle = candidates_.begin() + static_cast<std::ptrdiff_t>(pool);
-    if (middle < candidates_.end()) std::nth_element(candidates_.begin(), middle, candidates_.end(), nearerFirst);
-    std::sort(candidates_.begin(), middle, nearerFirst);
+    std::size_t pool = 0;
     categories_.clear();
-    for (std::size_t i = 0; i < pool; ++i) meet(candidates_[i]);
+    do {
+      const std::size_t before = pool;
+      pool = std::min(std::max<std::size_t>(2 * pool, kListPool), candidates_.size());
+      sortCandidates(before, pool);
+      for (std::size_t i = before; i < pool; ++i) meet(candidates_[i]);
+    } while (categories_.size() < kEnoughCategories && pool < candidates_.size());
     result_ = {{candidates_.data(), std::min<std::size_t>(pool, kNearestViews)},
                {categories_.data(), categories_.size()},
                static_cast<std::uint32_t>(candidates_.size())};
     for (const Neighbour& met : categories_) met_[categoryOf(met.view)] = false;
+  }
+
+  // The nearest `last` candidates stand first, in order, if the nearest `first` did.
+  void sortCandidates(std::size_t first, std::size_t last) {
+    const auto begin = candidates_.begin() + static_cast<std::ptrdiff_t>(first), middle = candidates_.begin() + static_cast<std::ptrdiff_t>(last);
+    if (middle < candidates_.end()) std::nth_element(begin, middle, candidates_.end(), nearerFirst);
+    std::sort(begin, middle, nearerFirst);
   }
 
   // Views come nearest first: the first of a category is its nearest.

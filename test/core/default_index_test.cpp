@@ -192,6 +192,17 @@ TEST_F(DefaultIndex, NearestListsAreComparedInFull) {
   }
 }
 
+TEST_F(DefaultIndex, FiveCategoriesAreMetWhereverThereAreFive) {
+  const auto index = make(5, 1, 200);  // kListPool views may be of two
+  for (const int lists : {1, 100}) {
+    for (int i = 0; i < 20; ++i) {
+      const Code code = randomDefaultCode(random_);
+      const auto search = makeListSearch(index, lists);
+      EXPECT_EQ(search->find(code.data()).categories.size, 5u);
+    }
+  }
+}
+
 TEST_F(DefaultIndex, FewCategoriesAreAllMet) {
   const auto index = make(3, 1, 5);
   const Code code = randomDefaultCode(random_);
