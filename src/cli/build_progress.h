@@ -28,7 +28,8 @@ class ProgressBar : public BuildListener {
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
     const int left_s = done > 0 ? static_cast<int>(seconds * (models - done) / done) : 0;
     const int filled = models > 0 ? kWidth * done / models : 0;
-    const std::string bar = std::string(static_cast<std::size_t>(filled), '#') + std::string(static_cast<std::size_t>(kWidth - filled), '.');
+    const std::string bar = std::string(static_cast<std::size_t>(filled), '#') +
+                            std::string(static_cast<std::size_t>(kWidth - filled), '.');
     std::fprintf(stderr, "\r\033[K[%s] %d/%d models, %.0f views/s, %d:%02d left, %d skipped", bar.c_str(), done, models,
                  static_cast<double>(views) / std::max(seconds, 0.001), left_s / 60, left_s % 60, skipped_);
   }

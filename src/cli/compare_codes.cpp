@@ -78,12 +78,16 @@ class FloatShapesCode : public FloatCode {
 class ProfileCode : public ViewCode {
  public:
   explicit ProfileCode(const Profile& profile)
-      : ViewCode(profile.projection ? "default" : "paper", profile.codeBytes()), profile_(profile), encoder_(makeEncoder(profile)) {}
+      : ViewCode(profile.projection ? "default" : "paper", profile.codeBytes()),
+        profile_(profile),
+        encoder_(makeEncoder(profile)) {}
 
   bool describe(const DepthView& depth, Span<const std::uint32_t> pixels, std::uint8_t* out) override {
     return encoder_->encode(depth, pixels, out) == DescribeStatus::Ok;
   }
-  std::uint32_t distance(const std::uint8_t* a, const std::uint8_t* b) const override { return codeDistance(profile_, a, b); }
+  std::uint32_t distance(const std::uint8_t* a, const std::uint8_t* b) const override {
+    return codeDistance(profile_, a, b);
+  }
 
  private:
   Profile profile_;
@@ -92,7 +96,9 @@ class ProfileCode : public ViewCode {
 
 }  // namespace
 
-DescriptorParams paperParamsOf(const Index& index) { return index.projection() ? DescriptorParams{} : index.descriptorParams(); }
+DescriptorParams paperParamsOf(const Index& index) {
+  return index.projection() ? DescriptorParams{} : index.descriptorParams();
+}
 
 std::vector<std::unique_ptr<ViewCode>> comparedCodes(const Index& index) {
   const DescriptorParams params = paperParamsOf(index);

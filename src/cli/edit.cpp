@@ -17,8 +17,9 @@ namespace {
 Status sayWhatItHolds(const std::string& path) {
   const auto index = Index::open(path);
   if (!index.ok()) return index.status;
-  std::fprintf(stderr, "voxid: %s: %u views of %zu models in %zu categories, %llu bytes\n", path.c_str(), index.value->viewCount(),
-               index.value->models().size, index.value->categories().size, static_cast<unsigned long long>(index.value->bytes()));
+  std::fprintf(stderr, "voxid: %s: %u views of %zu models in %zu categories, %llu bytes\n", path.c_str(),
+               index.value->viewCount(), index.value->models().size, index.value->categories().size,
+               static_cast<unsigned long long>(index.value->bytes()));
   return {};
 }
 
@@ -50,9 +51,12 @@ Run addAdd(CLI::App& app) {
   BuildOptions& build = options->build;
   build.jobs = processors();
   app.add_option("index", build.out, "The index (.vxi)")->type_name("INDEX")->required();
-  app.add_option("--models", build.models, "Folder with one folder a category, which holds a mesh file a model")->required();
+  app.add_option("--models", build.models, "Folder with one folder a category, which holds a mesh file a model")
+      ->required();
   app.add_option("--jobs", build.jobs, "Worker processes")->capture_default_str()->check(CLI::Range(1, 1024));
-  app.add_option("--views-every", build.views_every, "Take every n-th of the 80 directions")->capture_default_str()->check(CLI::Range(1, 80));
+  app.add_option("--views-every", build.views_every, "Take every n-th of the 80 directions")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 80));
   addReplace(app, options->replace);
   return [options] { return add(options->build, clashOf(options->replace)); };
 }
@@ -78,7 +82,10 @@ Run addMerge(CLI::App& app) {
     bool replace = false;
   };
   const auto options = std::make_shared<Options>();
-  app.add_option("indices", options->indices, "Indices of the same descriptor; with --replace later ones win")->type_name("INDEX...")->required()->expected(2, 1000);
+  app.add_option("indices", options->indices, "Indices of the same descriptor; with --replace later ones win")
+      ->type_name("INDEX...")
+      ->required()
+      ->expected(2, 1000);
   app.add_option("-o,--out", options->out, "The index to write")->required();
   addReplace(app, options->replace);
   return [options] {

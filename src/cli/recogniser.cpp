@@ -23,19 +23,24 @@ void SearchChoice::addTo(CLI::App& app) {
       params.exact = false;
       params.*number = chosen;
     };
-    return app.add_option_function<int>(name, choose, about)->type_name("N")->check(CLI::Range(least, most))->excludes(all);
+    return app.add_option_function<int>(name, choose, about)
+        ->type_name("N")
+        ->check(CLI::Range(least, most))
+        ->excludes(all);
   };
   CLI::Option* const radius = addQuick("--radius", &SearchParams::radius_bits, 0, kKeyBits,
                                        "Compare with the buckets within N bits only (descriptor paper)");
-  addQuick("--lists", &SearchParams::lists, 1, 65536, "Compare with the N nearest lists only (descriptor default)")->excludes(radius);
+  addQuick("--lists", &SearchParams::lists, 1, 65536, "Compare with the N nearest lists only (descriptor default)")
+      ->excludes(radius);
   quick_ = {app.get_option("--radius"), app.get_option("--lists")};
 }
 
 Status SearchChoice::check(const Index& index) const {
   const CLI::Option* const foreign = index.projection() ? quick_[0] : quick_[1];
   if (foreign == nullptr || foreign->count() == 0) return {};
-  return Status::badUse(foreign->get_name() + " is for an index of descriptor " + (index.projection() ? "paper" : "default") +
-                        "; " + index.path() + " is of the other; use " + (index.projection() ? quick_[1] : quick_[0])->get_name());
+  return Status::badUse(foreign->get_name() + " is for an index of descriptor " +
+                        (index.projection() ? "paper" : "default") + "; " + index.path() + " is of the other; use " +
+                        (index.projection() ? quick_[1] : quick_[0])->get_name());
 }
 
 Recogniser::Recogniser(std::shared_ptr<const Index> index, const SearchChoice& choice)

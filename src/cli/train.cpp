@@ -51,14 +51,21 @@ Run addTrain(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   TrainOptions& train = options->train;
   train.jobs = processors();
-  app.add_option("--models", train.models, "Folder with one folder a category, which holds a mesh file a model")->required();
+  app.add_option("--models", train.models, "Folder with one folder a category, which holds a mesh file a model")
+      ->required();
   app.add_option("-o,--out", train.out, "The projection to write (.vxp)")->required();
   app.add_option("--jobs", train.jobs, "Worker processes")->capture_default_str()->check(CLI::Range(1, 1024));
-  app.add_option("--views-every", train.views_every, "Learn from every n-th of the 80 directions")->capture_default_str()->check(CLI::Range(1, 80));
+  app.add_option("--views-every", train.views_every, "Learn from every n-th of the 80 directions")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 80));
   app.add_option("--bytes", train.code_bytes, "Of a code")->capture_default_str()->check(CLI::IsMember({32, 64}));
   app.add_option("--lists", train.lists, "Of the quick search")->capture_default_str()->check(CLI::Range(1, 65536));
-  app.add_option("--pairs", train.params.pairs, "Pairs of points a view")->capture_default_str()->check(CLI::Range(1, 1000000));
-  app.add_option("--without", options->without, "Leave these categories out, one a line")->type_name("FILE")->check(CLI::ExistingFile);
+  app.add_option("--pairs", train.params.pairs, "Pairs of points a view")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000000));
+  app.add_option("--without", options->without, "Leave these categories out, one a line")
+      ->type_name("FILE")
+      ->check(CLI::ExistingFile);
   return [options] { return run(*options); };
 }
 

@@ -27,7 +27,8 @@ inline __attribute__((always_inline)) void all(const std::int8_t* query, const s
 // A list's codes lie anywhere: asked for some rows ahead, they come while others are compared.
 template <std::size_t kBytes>
 inline __attribute__((always_inline)) void some(const std::int8_t* query, const std::int8_t* codes,
-                                                const std::uint32_t* rows, std::size_t count, std::uint32_t* distances) {
+                                                const std::uint32_t* rows, std::size_t count,
+                                                std::uint32_t* distances) {
   constexpr std::size_t kAhead = 12;
   for (std::size_t i = 0; i < count; ++i) {
     if (i + kAhead < count) __builtin_prefetch(codes + std::size_t{rows[i + kAhead]} * kBytes);
@@ -37,8 +38,12 @@ inline __attribute__((always_inline)) void some(const std::int8_t* query, const 
 
 const std::int8_t* signedBytes(const std::uint8_t* code) { return reinterpret_cast<const std::int8_t*>(code); }
 
-VOXID_VECTORISED void all64(const std::int8_t* q, const std::int8_t* c, std::size_t n, std::uint32_t* out) { all<64>(q, c, n, out); }
-VOXID_VECTORISED void all32(const std::int8_t* q, const std::int8_t* c, std::size_t n, std::uint32_t* out) { all<32>(q, c, n, out); }
+VOXID_VECTORISED void all64(const std::int8_t* q, const std::int8_t* c, std::size_t n, std::uint32_t* out) {
+  all<64>(q, c, n, out);
+}
+VOXID_VECTORISED void all32(const std::int8_t* q, const std::int8_t* c, std::size_t n, std::uint32_t* out) {
+  all<32>(q, c, n, out);
+}
 VOXID_VECTORISED void some64(const std::int8_t* q, const std::int8_t* c, const std::uint32_t* rows, std::size_t n,
                              std::uint32_t* out) {
   some<64>(q, c, rows, n, out);

@@ -16,8 +16,22 @@ namespace voxid {
 namespace {
 
 enum Histogram {
-  kDistance, kLineParts, kLineKind, kLinePart, kSag, kNormals, kNormalsAndLine, kConvexity, kLineSlope, kAngleOfThree,
-  kAreaOfThree, kRadius, kRadiusSlope, kRadiusAlong, kSlope, kSlopeDepth
+  kDistance,
+  kLineParts,
+  kLineKind,
+  kLinePart,
+  kSag,
+  kNormals,
+  kNormalsAndLine,
+  kConvexity,
+  kLineSlope,
+  kAngleOfThree,
+  kAreaOfThree,
+  kRadius,
+  kRadiusSlope,
+  kRadiusAlong,
+  kSlope,
+  kSlopeDepth
 };
 
 // ---- small scales ----------------------------------------------------------------------------------------------
@@ -27,7 +41,9 @@ constexpr std::array<std::int16_t, 33> kCosines{1024, 1023, 1019, 1013, 1004, 99
                                                 878,  851,  822,  792,  759,  724, 688, 650, 610, 569, 526,
                                                 483,  438,  392,  345,  297,  249, 200, 150, 100, 50,  0};
 
-int cosine(int k) { return k <= 32 ? kCosines[static_cast<std::size_t>(k)] : -kCosines[static_cast<std::size_t>(64 - k)]; }
+int cosine(int k) {
+  return k <= 32 ? kCosines[static_cast<std::size_t>(k)] : -kCosines[static_cast<std::size_t>(64 - k)];
+}
 
 // The angle of a cosine x 1024, in 64 equal parts of 180 degrees.
 class AngleTable {
@@ -73,7 +89,9 @@ constexpr std::array<std::uint8_t, 17> kThirds{0, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 
 
 Direction1024 normalOf(const SurfaceCell& cell) { return {cell.nx, cell.ny, cell.nz}; }
 
-std::int32_t cosineOf(const Direction1024& a, const Direction1024& b) { return (a.x * b.x + a.y * b.y + a.z * b.z) / 1024; }
+std::int32_t cosineOf(const Direction1024& a, const Direction1024& b) {
+  return (a.x * b.x + a.y * b.y + a.z * b.z) / 1024;
+}
 
 struct Offset {
   std::int32_t x, y, z;  // |.| < 2^14
@@ -151,7 +169,9 @@ struct DepthDescriber::Workspace {
   std::array<std::uint32_t, kDepthBins> counts;
 
   DescribeStatus draw(const DepthView& depth, Span<const std::uint32_t> chosen);
-  void count(Histogram histogram, int bin) { ++counts[kDepthHistograms[histogram].first_bin + static_cast<std::size_t>(bin)]; }
+  void count(Histogram histogram, int bin) {
+    ++counts[kDepthHistograms[histogram].first_bin + static_cast<std::size_t>(bin)];
+  }
   void countCells();
   void countCell(const SurfaceCell& cell);
   void countPairs();
@@ -231,7 +251,8 @@ void DepthDescriber::Workspace::countLine(const LineParts& line, int distance) {
 }
 
 // Which of the two points comes first is chance: nothing here depends on it.
-void DepthDescriber::Workspace::countNormals(const SurfaceCell& a, const SurfaceCell& b, const Offset& line, int distance) {
+void DepthDescriber::Workspace::countNormals(const SurfaceCell& a, const SurfaceCell& b, const Offset& line,
+                                             int distance) {
   const Direction1024 direction = normalised(line.x, line.y, line.z), na = normalOf(a), nb = normalOf(b);
   const std::int32_t along_a = cosineOf(na, direction), along_b = -cosineOf(nb, direction);
   const int angle = angles.partOf(cosineOf(na, nb)), ring = distance / 8;
@@ -246,7 +267,8 @@ void DepthDescriber::Workspace::countNormals(const SurfaceCell& a, const Surface
 
 void DepthDescriber::Workspace::countThree(const SurfaceCell& a, const SurfaceCell& b, const SurfaceCell& c) {
   const Offset to_b = between(a, b), to_c = between(a, c);
-  const Direction1024 b_direction = normalised(to_b.x, to_b.y, to_b.z), c_direction = normalised(to_c.x, to_c.y, to_c.z);
+  const Direction1024 b_direction = normalised(to_b.x, to_b.y, to_b.z),
+                      c_direction = normalised(to_c.x, to_c.y, to_c.z);
   count(kAngleOfThree, angles.partOf(cosineOf(b_direction, c_direction)));
   count(kAreaOfThree, areaPart(squaredCross(to_b, to_c)));
 }
@@ -256,7 +278,8 @@ void DepthDescriber::Workspace::write(DepthBins& bins) const {
     const std::uint32_t* const first = counts.data() + histogram.first_bin;
     std::uint64_t all = 0;
     for (int i = 0; i < histogram.bins; ++i) all += first[i];
-    for (int i = 0; i < histogram.bins; ++i) bins[histogram.first_bin + static_cast<std::size_t>(i)] = rootOfShare(first[i], all);
+    for (int i = 0; i < histogram.bins; ++i)
+      bins[histogram.first_bin + static_cast<std::size_t>(i)] = rootOfShare(first[i], all);
   }
 }
 

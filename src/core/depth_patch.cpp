@@ -8,7 +8,7 @@
 namespace voxid {
 namespace {
 
-constexpr std::int64_t kMaxDepthUnits = 8191;  // 2 D before or behind the centroid
+constexpr std::int64_t kMaxDepthUnits = 8191;                        // 2 D before or behind the centroid
 constexpr std::int64_t kMaxFootprint = 16 * DepthPatch::kCellUnits;  // an object less than four pixels wide
 
 std::int64_t clamped(std::int64_t value, std::int64_t most) { return std::min(std::max(value, -most), most); }
@@ -29,9 +29,11 @@ class Axis {
   };
   Range cellsUnder(std::int32_t pixel) const {
     constexpr int kHalf = DepthPatch::kSide * DepthPatch::kCellUnits / 2;
-    const std::int64_t middle = (clamped((std::int64_t{pixel} << 16) - centre_q16_, std::int64_t{1} << 31) * step_q16_ >> 32) + kHalf;
+    const std::int64_t middle =
+        (clamped((std::int64_t{pixel} << 16) - centre_q16_, std::int64_t{1} << 31) * step_q16_ >> 32) + kHalf;
     const std::int64_t low = middle - footprint_ / 2;
-    const std::int64_t first = cellOf(low + DepthPatch::kCellUnits / 2 - 1), last = cellOf(low + footprint_ - DepthPatch::kCellUnits / 2 - 1);
+    const std::int64_t first = cellOf(low + DepthPatch::kCellUnits / 2 - 1),
+                       last = cellOf(low + footprint_ - DepthPatch::kCellUnits / 2 - 1);
     if (first <= last) return {atLeastZero(first), belowSide(last)};
     const std::int64_t cell = cellOf(middle);
     return {atLeastZero(cell), belowSide(cell)};
@@ -40,8 +42,12 @@ class Axis {
  private:
   static std::int64_t cellOf(std::int64_t units) { return units >> 6; }
   static_assert(DepthPatch::kCellUnits == 1 << 6, "cellOf shifts");
-  static int atLeastZero(std::int64_t cell) { return static_cast<int>(clamped(std::max<std::int64_t>(cell, 0), DepthPatch::kSide)); }
-  static int belowSide(std::int64_t cell) { return static_cast<int>(clamped(std::min<std::int64_t>(cell, DepthPatch::kSide - 1), DepthPatch::kSide)); }
+  static int atLeastZero(std::int64_t cell) {
+    return static_cast<int>(clamped(std::max<std::int64_t>(cell, 0), DepthPatch::kSide));
+  }
+  static int belowSide(std::int64_t cell) {
+    return static_cast<int>(clamped(std::min<std::int64_t>(cell, DepthPatch::kSide - 1), DepthPatch::kSide));
+  }
 
   std::int64_t step_q16_, centre_q16_, footprint_;
 };
@@ -83,7 +89,8 @@ int highestBit(std::uint32_t n) { return 31 - __builtin_clz(n); }
 
 Direction1024 normalised(std::int32_t x, std::int32_t y, std::int32_t z) {
   static const InverseRootTable kInverseRoots = makeInverseRootTable();
-  const std::uint32_t square = static_cast<std::uint32_t>(x * x) + static_cast<std::uint32_t>(y * y) + static_cast<std::uint32_t>(z * z);
+  const std::uint32_t square =
+      static_cast<std::uint32_t>(x * x) + static_cast<std::uint32_t>(y * y) + static_cast<std::uint32_t>(z * z);
   if (square == 0) return {0, 0, 0};
   const int even = highestBit(square) & ~1;  // square = m 2^even, m in [1, 4)
   const std::uint32_t m_q8 = even >= 8 ? square >> (even - 8) : square << (8 - even);
@@ -205,10 +212,14 @@ SurfaceCell DepthPatch::cellAt(int column, int row) const {
   const std::int32_t m_q10 = static_cast<std::int32_t>(clamped(1024 - a * 1024 / scale_, 32767));
   Direction1024 normal = normalised(slope.column_q10, slope.row_q10, -m_q10);
   if (normal.z > 0) normal = {-normal.x, -normal.y, -normal.z};
-  const std::int64_t k_q12 = std::min<std::int64_t>((std::int64_t{scale_} << 12) / std::max(scale_ - depth, 1), 1 << 14);
-  const auto metric = [&](std::int32_t units) { return static_cast<std::int16_t>(clamped(units * k_q12 >> 12, kMaxDepthUnits)); };
+  const std::int64_t k_q12 =
+      std::min<std::int64_t>((std::int64_t{scale_} << 12) / std::max(scale_ - depth, 1), 1 << 14);
+  const auto metric = [&](std::int32_t units) {
+    return static_cast<std::int16_t>(clamped(units * k_q12 >> 12, kMaxDepthUnits));
+  };
   const auto narrow = [](std::int32_t value) { return static_cast<std::int16_t>(value); };
-  return {narrow(column), narrow(row), narrow(depth), metric(x), metric(y), metric(depth), narrow(normal.x), narrow(normal.y), narrow(normal.z)};
+  return {narrow(column), narrow(row),      narrow(depth),    metric(x),       metric(y),
+          metric(depth),  narrow(normal.x), narrow(normal.y), narrow(normal.z)};
 }
 
 }  // namespace voxid

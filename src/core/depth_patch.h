@@ -37,7 +37,7 @@ class DepthPatch {
   /// `centroid_um` lies in front of the camera; `d_um` is the normaliser, at least 1.
   void draw(const Camera& camera, Span<const Pixel> pixels, Vector centroid_um, std::int64_t d_um);
 
-  Span<const SurfaceCell> cells() const { return {cells_.data(), count_}; }  ///< row by row
+  Span<const SurfaceCell> cells() const { return {cells_.data(), count_}; }       ///< row by row
   std::int32_t w(int column, int row) const { return w_[row * kSide + column]; }  ///< kHole where nothing was seen
   const std::int32_t* rows() const { return w_.data(); }                          ///< the same, row * kSide + column
   std::int16_t tolerance() const { return tolerance_; }  ///< how far from the surface, in w, is still on it

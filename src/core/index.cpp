@@ -190,8 +190,10 @@ Status Index::locate() {
   if (Status status = checkParameters(); !status.ok()) return status;
   categories_ = find.exactly<format::Category>("CATS", h.categories);
   models_ = find.exactly<format::Model>("MODL", h.models);
-  if (is_default) short_views_ = find.exactly<format::ShortView>("VIE4", h.views);
-  else views_ = find.exactly<format::View>("VIEW", h.views);
+  if (is_default)
+    short_views_ = find.exactly<format::ShortView>("VIE4", h.views);
+  else
+    views_ = find.exactly<format::View>("VIEW", h.views);
   directions_ = find.any<format::Direction>("DIRS");
   codes_ = find.exactly<std::uint8_t>("CODE", std::uint64_t{h.views} * parameters_->code_bytes).data;
   keys_ = find.exactly<Key>("KEYS", h.buckets);
@@ -269,7 +271,8 @@ format::Parameters parametersOf(const Profile& profile) {
   p.pairs = params.pairs;
   p.seed = params.seed;
   p.code_bytes = static_cast<std::uint32_t>(profile.codeBytes());
-  if (profile.projection) p.projection_crc32c = crc32c(profile.projection->bytes().data, profile.projection->bytes().size);
+  if (profile.projection)
+    p.projection_crc32c = crc32c(profile.projection->bytes().data, profile.projection->bytes().size);
   return p;
 }
 

@@ -51,18 +51,21 @@ class ListSearch : public Search {
   // Buckets with their centroids' distances. A key that names no list (possible only in a damaged file) is passed over.
   void order(const std::uint8_t* code) {
     const Projection& projection = *index_->projection();
-    squaredDistances(code, projection.centroids(), projection.lists(), projection.codeBytes(), centroid_distances_.data());
+    squaredDistances(code, projection.centroids(), projection.lists(), projection.codeBytes(),
+                     centroid_distances_.data());
     buckets_.clear();
     sorted_ = 0;
     for (std::uint32_t i = 0; i < index_->keys().size; ++i) {
       const Key list = index_->keys()[i];
-      if (list < centroid_distances_.size()) buckets_.push_back({i, centroid_distances_[static_cast<std::size_t>(list)]});
+      if (list < centroid_distances_.size())
+        buckets_.push_back({i, centroid_distances_[static_cast<std::size_t>(list)]});
     }
   }
 
   // The nearest `count` buckets stand first, in order.
   void sortTo(std::size_t count) {
-    const auto first = buckets_.begin() + static_cast<std::ptrdiff_t>(sorted_), middle = buckets_.begin() + static_cast<std::ptrdiff_t>(count);
+    const auto first = buckets_.begin() + static_cast<std::ptrdiff_t>(sorted_),
+               middle = buckets_.begin() + static_cast<std::ptrdiff_t>(count);
     if (middle < buckets_.end()) std::nth_element(first, middle, buckets_.end(), nearerFirst);
     std::sort(first, middle, nearerFirst);
     sorted_ = count;
@@ -71,7 +74,8 @@ class ListSearch : public Search {
   void compare(std::uint32_t bucket, const std::uint8_t* code, std::uint32_t left_out_model) {
     const Span<const std::uint32_t> views = index_->bucket(bucket);
     if (!inside(views)) return;
-    squaredDistancesAt(code, index_->code(0), views.data, views.size, index_->parameters().code_bytes, distances_.data());
+    squaredDistancesAt(code, index_->code(0), views.data, views.size, index_->parameters().code_bytes,
+                       distances_.data());
     for (std::size_t i = 0; i < views.size; ++i) {
       if (left_out_model != kNone && index_->modelOf(views[i]) == left_out_model) continue;
       if (candidates_.size() < candidates_.capacity()) candidates_.push_back({views[i], distances_[i]});
@@ -101,7 +105,8 @@ class ListSearch : public Search {
 
   // The nearest `last` candidates stand first, in order, if the nearest `first` did.
   void sortCandidates(std::size_t first, std::size_t last) {
-    const auto begin = candidates_.begin() + static_cast<std::ptrdiff_t>(first), middle = candidates_.begin() + static_cast<std::ptrdiff_t>(last);
+    const auto begin = candidates_.begin() + static_cast<std::ptrdiff_t>(first),
+               middle = candidates_.begin() + static_cast<std::ptrdiff_t>(last);
     if (middle < candidates_.end()) std::nth_element(begin, middle, candidates_.end(), nearerFirst);
     std::sort(begin, middle, nearerFirst);
   }

@@ -30,7 +30,8 @@ std::uint32_t sumOf(Span<const std::uint8_t> bytes, format::Projection header) {
 }
 
 // Every row's product with the bins: below 1,664 x 127 x 255 < 2^26. As 16-bit factors, for pmaddwd.
-VOXID_VECTORISED void multiply(const std::int8_t* matrix, std::size_t rows, const std::uint8_t* bins, std::int32_t* out) {
+VOXID_VECTORISED void multiply(const std::int8_t* matrix, std::size_t rows, const std::uint8_t* bins,
+                               std::int32_t* out) {
   std::array<std::int16_t, kDepthBins> wide;
   for (std::size_t i = 0; i < wide.size(); ++i) wide[i] = bins[i];
   for (std::size_t row = 0; row < rows; ++row, matrix += kDepthBins) {
@@ -67,7 +68,8 @@ Result<std::shared_ptr<const Projection>> Projection::read(const std::string& pa
   return fromBytes({bytes.value.data(), bytes.value.size()}, path);
 }
 
-Result<std::shared_ptr<const Projection>> Projection::fromBytes(Span<const std::uint8_t> bytes, const std::string& name) {
+Result<std::shared_ptr<const Projection>> Projection::fromBytes(Span<const std::uint8_t> bytes,
+                                                                const std::string& name) {
   const std::shared_ptr<Projection> projection(new Projection);
   projection->bytes_.assign(bytes.begin(), bytes.end());
   const Status status = projection->check(name);
@@ -82,25 +84,29 @@ Result<std::shared_ptr<const Projection>> Projection::fromBytes(Span<const std::
   projection->centroids_ = at;
   projection->calibration_ = reinterpret_cast<const format::Calibration*>(at + std::size_t{h.lists} * h.code_bytes);
   for (std::uint32_t i = 0; i < h.code_bytes; ++i) {
-    const bool bounded = projection->bias_[i] > -kMaxBias && projection->bias_[i] < kMaxBias && projection->factor_q24_[i] >= 0;
+    const bool bounded =
+        projection->bias_[i] > -kMaxBias && projection->bias_[i] < kMaxBias && projection->factor_q24_[i] >= 0;
     if (!bounded) return Status::damaged("the projection " + name + " is damaged: a number is out of range");
   }
   return std::shared_ptr<const Projection>(projection);
 }
 
 Status Projection::check(const std::string& name) {
-  const auto damaged = [&](const char* what) { return Status::damaged("the projection " + name + " is damaged: " + what); };
+  const auto damaged = [&](const char* what) {
+    return Status::damaged("the projection " + name + " is damaged: " + what);
+  };
   if (bytes_.size() < sizeof(format::Projection)) return damaged("it is too short");
   header_ = reinterpret_cast<const format::Projection*>(bytes_.data());
   const format::Projection& h = *header_;
   if (std::memcmp(h.magic, format::kProjectionMagic, sizeof h.magic) != 0) return damaged("it does not begin like one");
   if (h.version != format::kProjectionVersion || h.revision != kDepthDescriptorRevision || h.bins != kDepthBins) {
-    return Status::cannotDo("the projection " + name + " is of version " + std::to_string(h.version) + ", descriptor revision " +
-                            std::to_string(h.revision) + "; this voxid uses " + std::to_string(format::kProjectionVersion) +
-                            " and " + std::to_string(kDepthDescriptorRevision) + "; learn it anew with `voxid train`");
+    return Status::cannotDo("the projection " + name + " is of version " + std::to_string(h.version) +
+                            ", descriptor revision " + std::to_string(h.revision) + "; this voxid uses " +
+                            std::to_string(format::kProjectionVersion) + " and " +
+                            std::to_string(kDepthDescriptorRevision) + "; learn it anew with `voxid train`");
   }
-  const bool sized = (h.code_bytes == 32 || h.code_bytes == 64) && h.lists >= 1 && h.lists <= kMaxLists && h.pairs >= 1 &&
-                     h.pairs <= kMaxPairs;
+  const bool sized = (h.code_bytes == 32 || h.code_bytes == 64) && h.lists >= 1 && h.lists <= kMaxLists &&
+                     h.pairs >= 1 && h.pairs <= kMaxPairs;
   if (!sized) return damaged("a size is out of range");
   if (bytesOf(h) != bytes_.size()) return damaged("its length is wrong");
   return sumOf(bytes(), h) == h.crc32c ? Status() : damaged("its checksum is wrong");

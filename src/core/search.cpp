@@ -45,7 +45,8 @@ class Gatherer {
     const bool among_nearest = count_ < kNearestViews || least <= nearest_[count_ - 1].distance;
     if (!among_nearest && least > best_[category].distance) return;
     scanned_ -= static_cast<std::uint32_t>(distances.size);
-    for (std::size_t i = 0; i < distances.size; ++i) add({first + static_cast<std::uint32_t>(i), distances[i]}, category);
+    for (std::size_t i = 0; i < distances.size; ++i)
+      add({first + static_cast<std::uint32_t>(i), distances[i]}, category);
   }
 
   std::size_t metCategories() const { return met_categories_; }

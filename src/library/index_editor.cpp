@@ -84,7 +84,8 @@ Status edit(const std::string& path, const std::function<Status(IndexContent&)>&
 
 Status mergeInto(IndexContent& content, const IndexContent& other, Clash clash) {
   if (!sameProfile(content.profile, other.profile)) {
-    return Status::cannotDo("the descriptors differ; only indices of the same descriptor, settings and projection can be put together");
+    return Status::cannotDo(
+        "the descriptors differ; only indices of the same descriptor, settings and projection can be put together");
   }
   if (!sameDirections(content, other)) return Status::cannotDo("the view directions differ");
   Synsets synsets;
@@ -97,7 +98,8 @@ Status mergeInto(IndexContent& content, const IndexContent& other, Clash clash) 
   const auto clashes = [&](const ModelRecord& model) { return coming.count({model.category, model.name}) > 0; };
   const auto clashing = std::find_if(content.models.begin(), content.models.end(), clashes);
   if (clash == Clash::Refuse && clashing != content.models.end()) {
-    return Status::cannotDo("model " + textOf({clashing->category, clashing->name}) + " is there already; --replace takes the new one");
+    return Status::cannotDo("model " + textOf({clashing->category, clashing->name}) +
+                            " is there already; --replace takes the new one");
   }
   content.models.erase(std::remove_if(content.models.begin(), content.models.end(), clashes), content.models.end());
   content.models.insert(content.models.end(), other.models.begin(), other.models.end());

@@ -28,7 +28,8 @@ class PartsFolder {
     if (error) return Status::cannotDo("cannot make " + path_ + ": " + error.message());
     lock_ = ::open((path_ + "/lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (lock_ < 0) return Status::cannotDo("cannot write in " + path_ + ": " + std::strerror(errno));
-    if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) return Status::cannotDo("another build of " + out + " is running; wait for it, or choose another name");
+    if (::flock(lock_, LOCK_EX | LOCK_NB) != 0)
+      return Status::cannotDo("another build of " + out + " is running; wait for it, or choose another name");
     if (!keep) clear();
     return {};
   }

@@ -28,7 +28,7 @@ constexpr int kBins = kDepthBins;
 
 /// What is learnt from: bins of views, each view's category.
 struct Lessons {
-  std::vector<ModelRecord> models;  ///< their codes are bins
+  std::vector<ModelRecord> models;                     ///< their codes are bins
   std::vector<std::vector<std::uint8_t>> calibration;  ///< bins of one more view of each model
   std::vector<std::string> categories;
   std::size_t views = 0;
@@ -96,8 +96,10 @@ Moments momentsOf(const Lessons& lessons) {
     filled = 0;
   };
   forEachView(lessons.models, [&](const ModelRecord& model, const ViewRecord& view) {
-    for (int i = 0; i < kBins; ++i) block(i, filled) = static_cast<float>(view.code[static_cast<std::size_t>(i)]) - mean[i];
-    const auto category = std::lower_bound(lessons.categories.begin(), lessons.categories.end(), model.category) - lessons.categories.begin();
+    for (int i = 0; i < kBins; ++i)
+      block(i, filled) = static_cast<float>(view.code[static_cast<std::size_t>(i)]) - mean[i];
+    const auto category = std::lower_bound(lessons.categories.begin(), lessons.categories.end(), model.category) -
+                          lessons.categories.begin();
     m.category_means.row(category) += block.col(filled).transpose().cast<double>();
     m.category_views[category] += 1;
     if (++filled == kBlock) flush();
@@ -195,7 +197,8 @@ void learnLists(ProjectionContent& content, const Lessons& lessons) {
   const std::vector<std::uint8_t> codes = codesOf(lessons, *projectionOf(content));
   for (std::size_t list = 0; list < content.lists; ++list) {
     const std::size_t view = list * lessons.views / content.lists;
-    std::copy_n(codes.begin() + static_cast<std::ptrdiff_t>(view * bytes), bytes, content.centroids.begin() + static_cast<std::ptrdiff_t>(list * bytes));
+    std::copy_n(codes.begin() + static_cast<std::ptrdiff_t>(view * bytes), bytes,
+                content.centroids.begin() + static_cast<std::ptrdiff_t>(list * bytes));
   }
   for (int round = 0; round < kRounds; ++round) moveCentroids(content, codes);
 }
@@ -247,7 +250,8 @@ class Trainer {
     std::set<std::string> categories;
     for (std::size_t i = 0; i < folder_.models.size(); ++i) {
       const ModelFile& file = folder_.models[i];
-      Result<ModelViews> shard = readShard(shardPath(parts_.path(), file), originOf(file, binsParameters(options_.params), options_.views_every));
+      Result<ModelViews> shard = readShard(shardPath(parts_.path(), file),
+                                           originOf(file, binsParameters(options_.params), options_.views_every));
       const auto died = died_.find(static_cast<int>(i));
       if (!shard.ok()) shard.value.refusal = died == died_.end() ? shard.status.sentence : died->second;
       if (!shard.ok() || shard.value.views.empty()) {
@@ -264,9 +268,10 @@ class Trainer {
     report_.models = static_cast<int>(lessons_.models.size());
     report_.views = static_cast<int>(lessons_.views);
     if (categories.size() >= 2 && lessons_.views >= options_.code_bytes) return {};
-    return Status::nothingFound(options_.models + ": " + std::to_string(lessons_.views) + " views of " + std::to_string(categories.size()) +
-                                " categories; a projection is learnt from two categories and " + std::to_string(options_.code_bytes) +
-                                " views at least");
+    return Status::nothingFound(options_.models + ": " + std::to_string(lessons_.views) + " views of " +
+                                std::to_string(categories.size()) +
+                                " categories; a projection is learnt from two categories and " +
+                                std::to_string(options_.code_bytes) + " views at least");
   }
 
   void learn() {
@@ -294,7 +299,8 @@ class Trainer {
     std::size_t at = 0;
     for (ModelRecord& model : library.models) {
       for (ViewRecord& view : model.views) {
-        view.code.assign(codes.begin() + static_cast<std::ptrdiff_t>(at), codes.begin() + static_cast<std::ptrdiff_t>(at + options_.code_bytes));
+        view.code.assign(codes.begin() + static_cast<std::ptrdiff_t>(at),
+                         codes.begin() + static_cast<std::ptrdiff_t>(at + options_.code_bytes));
         at += options_.code_bytes;
       }
     }

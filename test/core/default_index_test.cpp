@@ -117,7 +117,8 @@ TEST_F(DefaultIndex, HoldsWhatWasWritten) {
       EXPECT_EQ(index->modelOf(number), model);
       EXPECT_EQ(view.model, model);
       EXPECT_EQ(view.direction, record->views[i].direction);
-      for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(view.extents[axis] >> 8, record->views[i].extents[static_cast<std::size_t>(axis)] >> 8);
+      for (int axis = 0; axis < 3; ++axis)
+        EXPECT_EQ(view.extents[axis] >> 8, record->views[i].extents[static_cast<std::size_t>(axis)] >> 8);
       EXPECT_TRUE(std::equal(record->views[i].code.begin(), record->views[i].code.end(), index->code(number)));
     }
   }
@@ -158,7 +159,8 @@ TEST_F(DefaultIndex, AllListsEqualBruteForceAmongTheNearest) {
   for (int i = 0; i < 50; ++i) {
     const Code code = randomDefaultCode(random_);
     const std::uint32_t left_out = i % 2 == 0 ? Search::kNone : static_cast<std::uint32_t>(random_.below(80));
-    const Neighbours all = sortedViews(*index, code, [&](std::uint32_t view) { return index->modelOf(view) != left_out; });
+    const Neighbours all =
+        sortedViews(*index, code, [&](std::uint32_t view) { return index->modelOf(view) != left_out; });
     const Nearest& found = search->find(code.data(), left_out);
     EXPECT_EQ(pairsOf(found.views), head(all, kNearestViews));
     EXPECT_EQ(pairsOf(found.categories), firstOfCategories(*index, head(all, kListPool)));
@@ -240,7 +242,7 @@ TEST_F(DefaultIndex, AnyFlippedByteIsRefusedOrFound) {
   const std::size_t projection = good.find(std::string(format::kProjectionMagic, 8));
   ASSERT_NE(projection, std::string::npos);
   const std::size_t projection_end = projection + 64 + kBytes * (kDepthBins + 8 + kLists) + 128;
-  for (std::size_t at = 0; at < good.size(); at += at > projection + 64 && at < projection_end - 997 ? 997 : 1) {
+  for (std::size_t at = 0; at<good.size(); at += at> projection + 64 && at < projection_end - 997 ? 997 : 1) {
     std::string bad = good;
     bad[at] = static_cast<char>(bad[at] ^ 0x41);
     writeBytes(path, bad);
@@ -266,7 +268,8 @@ TEST_F(DefaultIndex, ReferencesThatLieAreHarmlessAndFound) {
     std::string bytes = good;
     auto& header = *reinterpret_cast<format::Header*>(bytes.data());
     auto* const table = reinterpret_cast<format::Section*>(bytes.data() + sizeof(format::Header));
-    const auto section = std::find_if(table, table + header.sections, [&](const format::Section& s) { return std::memcmp(s.tag, damage.tag, 4) == 0; });
+    const auto section = std::find_if(table, table + header.sections,
+                                      [&](const format::Section& s) { return std::memcmp(s.tag, damage.tag, 4) == 0; });
     std::memcpy(bytes.data() + section->offset + damage.at, &damage.value, damage.bytes);
     section->crc32c = crc32c(bytes.data() + section->offset, section->length);
     header.crc32c = 0;

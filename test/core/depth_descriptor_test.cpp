@@ -45,7 +45,9 @@ class Image {
   std::vector<std::uint32_t> object_;
 };
 
-bool inDisc(int u, int v, int radius_px) { return (u - 320) * (u - 320) + (v - 240) * (v - 240) < radius_px * radius_px; }
+bool inDisc(int u, int v, int radius_px) {
+  return (u - 320) * (u - 320) + (v - 240) * (v - 240) < radius_px * radius_px;
+}
 
 /// Height of a half ball above its rim, mm; 1 pixel is about 1.5 mm at 800 mm.
 int dome(int u, int v) {
@@ -56,7 +58,9 @@ int plate(int u, int v) { return inDisc(u, v, 50) ? 800 : 0; }
 int ball(int u, int v) { return inDisc(u, v, 55) ? 800 - dome(u, v) : 0; }
 int bowl(int u, int v) { return inDisc(u, v, 55) ? 800 + dome(u, v) : 0; }
 /// Two plates side by side at different depths, nothing between them.
-int steps(int u, int v) { return std::abs(v - 240) > 40 || std::abs(u - 320) < 12 || std::abs(u - 320) > 60 ? 0 : u < 320 ? 760 : 840; }
+int steps(int u, int v) {
+  return std::abs(v - 240) > 40 || std::abs(u - 320) < 12 || std::abs(u - 320) > 60 ? 0 : u < 320 ? 760 : 840;
+}
 
 DepthBins binsOf(const Image& image, std::uint32_t pairs = 4000) {
   DepthDescriber describer({pairs, 1});
@@ -128,15 +132,14 @@ TEST(DepthDescriptor, LinesAcrossAGapPassOutside) {
   EXPECT_NEAR(outside, 0.5, 0.05);
 }
 
-TEST(DepthDescriptor, TwiceAsLargeAndTwiceAsFarIsTheSame) {
-  EXPECT_EQ(binsOf(Image(ball)), binsOf(Image(ball, 2)));
-}
+TEST(DepthDescriptor, TwiceAsLargeAndTwiceAsFarIsTheSame) { EXPECT_EQ(binsOf(Image(ball)), binsOf(Image(ball, 2))); }
 
 TEST(DepthDescriptor, TurnedAboutTheViewingAxisIsNearlyTheSame) {
   const auto turned = [](int u, int v) { return steps(320 + (v - 240), 240 + (u - 320)); };
   const DepthBins straight = binsOf(Image(steps), 20000), quarter = binsOf(Image(turned), 20000);
   double cosine = 0, own = 0;
-  for (int i = 0; i < kDepthBins; ++i) cosine += straight[static_cast<std::size_t>(i)] * quarter[static_cast<std::size_t>(i)];
+  for (int i = 0; i < kDepthBins; ++i)
+    cosine += straight[static_cast<std::size_t>(i)] * quarter[static_cast<std::size_t>(i)];
   for (const std::uint8_t bin : straight) own += bin * bin;
   EXPECT_GT(cosine / own, 0.99);
 }

@@ -73,7 +73,8 @@ TEST(Projection, ACodeBelongsToTheNearestCentroid) {
       distances.push_back(static_cast<std::uint32_t>(sum));
       EXPECT_EQ(squaredDistance(code.data(), &content.centroids[list * 64], 64), static_cast<std::uint32_t>(sum));
     }
-    EXPECT_EQ(projection->listOf(code.data()), std::min_element(distances.begin(), distances.end()) - distances.begin());
+    EXPECT_EQ(projection->listOf(code.data()),
+              std::min_element(distances.begin(), distances.end()) - distances.begin());
   }
 }
 

@@ -16,8 +16,8 @@ namespace voxid {
 /// What makes the depth descriptor small: a linear map of its bins, learnt once from rendered views by
 /// `voxid train` (linear discriminant analysis: directions along which categories differ most against what differs
 /// inside a category), in integers, its result brought to one length (how far a view is from the mean says less than in
-/// which direction: doc/descriptor.md); with it the centroids that sort codes into lists, and the calibration of libraries
-/// too small for their own. One file, and one section of an index. Thread-safe: everything is const.
+/// which direction: doc/descriptor.md); with it the centroids that sort codes into lists, and the calibration of
+/// libraries too small for their own. One file, and one section of an index. Thread-safe: everything is const.
 class Projection {
  public:
   /// CannotDo for a missing or unreadable file or one of another voxid, Damaged for a cut or altered one.

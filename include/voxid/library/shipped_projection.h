@@ -7,7 +7,8 @@
 
 namespace voxid {
 
-/// The projection that comes with voxid, cfg/default.vxp; what it was learnt from and how good it is: doc/descriptor.md.
+/// The projection that comes with voxid, cfg/default.vxp; what it was learnt from and how good it is:
+/// doc/descriptor.md.
 Result<std::shared_ptr<const Projection>> shippedProjection();
 
 }  // namespace voxid

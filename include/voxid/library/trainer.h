@@ -15,12 +15,12 @@ struct TrainOptions {
   std::string models;  ///< folder of folders, as for a build
   std::string out;     ///< the projection file (.vxp)
   int jobs = 1;
-  int views_every = 1;              ///< of the 80 directions; half the views cost two points (doc/descriptor.md)
-  std::uint32_t code_bytes = 64;    ///< 32 or 64
-  std::uint32_t lists = 1024;       ///< centroids for the quick search, at most one a view
-  DescriptorParams params{6000, 1}; ///< of the depth descriptor, for every index made with the projection
-  double shrinkage = 0.03;          ///< share of the mean variance added to every direction; 0.01 to 0.1 cost a point at most
-  std::vector<std::string> without; ///< categories that are left out
+  int views_every = 1;               ///< of the 80 directions; half the views cost two points (doc/descriptor.md)
+  std::uint32_t code_bytes = 64;     ///< 32 or 64
+  std::uint32_t lists = 1024;        ///< centroids for the quick search, at most one a view
+  DescriptorParams params{6000, 1};  ///< of the depth descriptor, for every index made with the projection
+  double shrinkage = 0.03;  ///< share of the mean variance added to every direction; 0.01 to 0.1 cost a point at most
+  std::vector<std::string> without;  ///< categories that are left out
   MeshReaderLimits mesh_limits;
 };
 
