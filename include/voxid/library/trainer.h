@@ -15,7 +15,8 @@ struct TrainOptions {
   std::string models;  ///< folder of folders, as for a build
   std::string out;     ///< the projection file (.vxp)
   int jobs = 1;
-  int views_every = 1;               ///< of the 80 directions; half the views cost two points (doc/descriptor.md)
+  int views_every = 1;               ///< of the 80 directions; 10 instead of 20 views a model cost two points,
+                                     ///< 20 instead of 80 none (doc/descriptor.md)
   std::uint32_t code_bytes = 64;     ///< 32 or 64
   std::uint32_t lists = 1024;        ///< centroids for the quick search, at most one a view
   DescriptorParams params{6000, 1};  ///< of the depth descriptor, for every index made with the projection
