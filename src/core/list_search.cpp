@@ -11,8 +11,6 @@ namespace {
 
 constexpr std::size_t kEnoughCategories = 5;
 
-bool nearerFirst(const Neighbour& a, const Neighbour& b) { return a < b; }
-
 class ListSearch : public Search {
  public:
   ListSearch(std::shared_ptr<const Index> index, int lists)
@@ -66,8 +64,8 @@ class ListSearch : public Search {
   void sortTo(std::size_t count) {
     const auto first = buckets_.begin() + static_cast<std::ptrdiff_t>(sorted_),
                middle = buckets_.begin() + static_cast<std::ptrdiff_t>(count);
-    if (middle < buckets_.end()) std::nth_element(first, middle, buckets_.end(), nearerFirst);
-    std::sort(first, middle, nearerFirst);
+    if (middle < buckets_.end()) std::nth_element(first, middle, buckets_.end());
+    std::sort(first, middle);
     sorted_ = count;
   }
 
@@ -107,8 +105,8 @@ class ListSearch : public Search {
   void sortCandidates(std::size_t first, std::size_t last) {
     const auto begin = candidates_.begin() + static_cast<std::ptrdiff_t>(first),
                middle = candidates_.begin() + static_cast<std::ptrdiff_t>(last);
-    if (middle < candidates_.end()) std::nth_element(begin, middle, candidates_.end(), nearerFirst);
-    std::sort(begin, middle, nearerFirst);
+    if (middle < candidates_.end()) std::nth_element(begin, middle, candidates_.end());
+    std::sort(begin, middle);
   }
 
   // Views come nearest first: the first of a category is its nearest.

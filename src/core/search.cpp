@@ -39,12 +39,13 @@ class Gatherer {
 
   // All views of one model, `first` the number of the first: the same as adding one by one, but most are not looked at.
   void addModel(std::uint32_t first, Span<const std::uint32_t> distances, std::uint32_t category) {
-    scanned_ += static_cast<std::uint32_t>(distances.size);
     std::uint32_t least = kNotMet;
     for (const std::uint32_t distance : distances) least = std::min(least, distance);
     const bool among_nearest = count_ < kNearestViews || least <= nearest_[count_ - 1].distance;
-    if (!among_nearest && least > best_[category].distance) return;
-    scanned_ -= static_cast<std::uint32_t>(distances.size);
+    if (!among_nearest && least > best_[category].distance) {
+      scanned_ += static_cast<std::uint32_t>(distances.size);
+      return;
+    }
     for (std::size_t i = 0; i < distances.size; ++i)
       add({first + static_cast<std::uint32_t>(i), distances[i]}, category);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Loops over whole images exist twice: for every x86-64 and for those with AVX2, chosen when the program is loaded.
+// Loops over whole images, lines and codes exist twice: for every x86-64 and for those with AVX2, chosen when the program is loaded.
 // They hold integers and single exact float operations only, so both give the same.
 #pragma once
 
