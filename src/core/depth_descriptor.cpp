@@ -152,11 +152,6 @@ int kindOf(const LineParts& line) {
   return static_cast<int>(std::max_element(line.samples.begin(), line.samples.end()) - line.samples.begin());
 }
 
-// round(255 sqrt(count / all)).
-std::uint8_t rootOfShare(std::uint64_t count, std::uint64_t all) {
-  return static_cast<std::uint8_t>((squareRoot(count * 260100 / all) + 1) / 2);
-}
-
 }  // namespace
 
 struct DepthDescriber::Workspace {
@@ -164,7 +159,7 @@ struct DepthDescriber::Workspace {
   AngleTable angles;
   RootTable roots;
   DepthPatch patch;
-  std::array<DepthPatch::Pixel, kMaxPoints> pixels;
+  std::array<Pixel, kMaxPoints> pixels;
   std::array<PointUm, kMaxPoints> points;
   std::array<std::uint32_t, kDepthBins> counts;
 
@@ -175,10 +170,10 @@ struct DepthDescriber::Workspace {
   void countCells();
   void countCell(const SurfaceCell& cell);
   void countPairs();
-  void countPair(const SurfaceCell& a, const SurfaceCell& b);
+  void countPair(const SurfaceCell& a, const SurfaceCell& b, const SurfaceCell& c);
   void countLine(const LineParts& line, int distance);
-  void countNormals(const SurfaceCell& a, const SurfaceCell& b, const Offset& line, int distance);
-  void countThree(const SurfaceCell& a, const SurfaceCell& b, const SurfaceCell& c);
+  void countNormals(const SurfaceCell& a, const SurfaceCell& b, const Direction1024& direction, int distance);
+  void countThree(const Offset& line, const Direction1024& direction, const Offset& to_third);
   void write(DepthBins& bins) const;
 };
 
@@ -186,7 +181,7 @@ DescribeStatus DepthDescriber::Workspace::draw(const DepthView& depth, Span<cons
   if (depth.empty() || !depth.camera.valid()) return DescribeStatus::Empty;
   std::size_t kept = 0;
   forEachPixel(depth, chosen, [&](const Pixel& pixel) {
-    pixels[kept] = {pixel.u, pixel.v, pixel.z_um};
+    pixels[kept] = pixel;
     points[kept++] = backProject(depth.camera, pixel.u, pixel.v, pixel.z_um);
   });
   if (kept == 0) return DescribeStatus::Empty;
@@ -223,18 +218,20 @@ void DepthDescriber::Workspace::countPairs() {
   PairSampler::Pair before = pairs.next();
   for (std::uint32_t i = 0; i < params.pairs; ++i) {
     const PairSampler::Pair pair = pairs.next();
-    countPair(cells[pair.first], cells[pair.second]);
-    countThree(cells[pair.first], cells[pair.second], cells[before.first]);
+    countPair(cells[pair.first], cells[pair.second], cells[before.first]);
     before = pair;
   }
 }
 
-void DepthDescriber::Workspace::countPair(const SurfaceCell& a, const SurfaceCell& b) {
+// `c` makes them three.
+void DepthDescriber::Workspace::countPair(const SurfaceCell& a, const SurfaceCell& b, const SurfaceCell& c) {
   const Offset line = between(a, b);
+  const Direction1024 direction = normalised(line.x, line.y, line.z);
   const int distance = roots.partOf(squared(line));
   count(kDistance, distance);
   countLine(walk(patch, a, b), distance);
-  countNormals(a, b, line, distance);
+  countNormals(a, b, direction, distance);
+  countThree(line, direction, between(a, c));
 }
 
 void DepthDescriber::Workspace::countLine(const LineParts& line, int distance) {
@@ -251,13 +248,12 @@ void DepthDescriber::Workspace::countLine(const LineParts& line, int distance) {
 }
 
 // Which of the two points comes first is chance: nothing here depends on it.
-void DepthDescriber::Workspace::countNormals(const SurfaceCell& a, const SurfaceCell& b, const Offset& line,
+void DepthDescriber::Workspace::countNormals(const SurfaceCell& a, const SurfaceCell& b, const Direction1024& direction,
                                              int distance) {
-  const Direction1024 direction = normalised(line.x, line.y, line.z), na = normalOf(a), nb = normalOf(b);
+  const Direction1024 na = normalOf(a), nb = normalOf(b);
   const std::int32_t along_a = cosineOf(na, direction), along_b = -cosineOf(nb, direction);
   const int angle = angles.partOf(cosineOf(na, nb)), ring = distance / 8;
-  const int least = std::min(angles.partOf(along_a), angles.partOf(along_b)) / 8;
-  const int most = std::max(angles.partOf(along_a), angles.partOf(along_b)) / 8;
+  const auto [least, most] = std::minmax({angles.partOf(along_a) / 8, angles.partOf(along_b) / 8});
   count(kNormals, angle / 4 * 8 + ring);
   count(kNormalsAndLine, (most * (most + 1) / 2 + least) * 8 + ring);
   const bool concave = along_a + along_b > 0;  // the normals lean towards each other
@@ -265,12 +261,10 @@ void DepthDescriber::Workspace::countNormals(const SurfaceCell& a, const Surface
   count(kLineSlope, std::min(std::abs(direction.z) / 128, 7) * 8 + ring);
 }
 
-void DepthDescriber::Workspace::countThree(const SurfaceCell& a, const SurfaceCell& b, const SurfaceCell& c) {
-  const Offset to_b = between(a, b), to_c = between(a, c);
-  const Direction1024 b_direction = normalised(to_b.x, to_b.y, to_b.z),
-                      c_direction = normalised(to_c.x, to_c.y, to_c.z);
-  count(kAngleOfThree, angles.partOf(cosineOf(b_direction, c_direction)));
-  count(kAreaOfThree, areaPart(squaredCross(to_b, to_c)));
+void DepthDescriber::Workspace::countThree(const Offset& line, const Direction1024& direction, const Offset& to_third) {
+  const Direction1024 third = normalised(to_third.x, to_third.y, to_third.z);
+  count(kAngleOfThree, angles.partOf(cosineOf(direction, third)));
+  count(kAreaOfThree, areaPart(squaredCross(line, to_third)));
 }
 
 void DepthDescriber::Workspace::write(DepthBins& bins) const {

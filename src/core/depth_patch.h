@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 
+#include "even_choice.h"
 #include "normaliser.h"
 #include "voxid/core/depth_view.h"
 #include "voxid/core/span.h"
@@ -28,11 +29,6 @@ class DepthPatch {
   static constexpr int kCellUnits = 64;
   static constexpr std::int64_t kUnits = 4096;  ///< of D
   static constexpr std::int32_t kHole = INT16_MIN;
-
-  /// A pixel with its depth.
-  struct Pixel {
-    std::int32_t u, v, z_um;
-  };
 
   /// `centroid_um` lies in front of the camera; `d_um` is the normaliser, at least 1.
   void draw(const Camera& camera, Span<const Pixel> pixels, Vector centroid_um, std::int64_t d_um);

@@ -103,11 +103,6 @@ VerdictTable makeVerdictTable() {
   return table;
 }
 
-// round(255 sqrt(count / pairs)); 260,100 = (2 x 255)^2 leaves the half that rounding needs.
-std::uint8_t rootOfShare(std::uint64_t count, std::uint32_t pairs) {
-  return static_cast<std::uint8_t>((squareRoot(count * 260100 / pairs) + 1) / 2);
-}
-
 // round(127.5 sqrt(count / pairs)): the weight of one half.
 std::uint8_t halfRootOfShare(std::uint64_t count, std::uint32_t pairs) {
   return static_cast<std::uint8_t>((squareRoot(count * 65025 / pairs) + 1) / 2);

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "voxid/core/depth_view.h"
+#include "voxid/core/span.h"
 
 namespace voxid {
 

@@ -26,6 +26,11 @@ inline std::uint64_t squareRoot(std::uint64_t n) {
   return root;
 }
 
+/// A histogram's bin: round(255 sqrt(count / all)). 260,100 = (2 x 255)^2 leaves the half that rounding needs.
+inline std::uint8_t rootOfShare(std::uint64_t count, std::uint64_t all) {
+  return static_cast<std::uint8_t>((squareRoot(count * 260100 / all) + 1) / 2);
+}
+
 struct Box {
   PointUm least, most;
 };

@@ -16,12 +16,12 @@ namespace voxid {
 /// pair, in shares of D; "line" the straight line between them, walked in the depth image; angles are those of surface
 /// normals. doc/descriptor.md defines each and says what it is worth.
 constexpr std::array<SubHistogram, 16> kDepthHistograms{{
-    {"distance", 0, 64},                        // D2 of the paper
-    {"line parts x distance", 64, 256},         // how much of it is in front, behind, outside
-    {"line kind x distance", 320, 128},         // what most of it is: on, in front, behind, outside
-    {"line part, each x distance", 448, 96},    // front, behind, outside alone, in finer steps
-    {"sag x distance", 544, 128},               // mean depth of the surface under the line
-    {"normals' angle x distance", 672, 128},    //
+    {"distance", 0, 64},                      // D2 of the paper
+    {"line parts x distance", 64, 256},       // how much of it is in front, behind, outside
+    {"line kind x distance", 320, 128},       // what most of it is: on, in front, behind, outside
+    {"line part, each x distance", 448, 96},  // front, behind, outside alone, in finer steps
+    {"sag x distance", 544, 128},             // mean depth of the surface under the line
+    {"normals' angle x distance", 672, 128},
     {"normals and line x distance", 800, 288},  // both normals' angles with the line
     {"convexity x normals' angle x distance", 1088, 128},
     {"line's slope x distance", 1216, 64},  // its angle with the viewing axis
