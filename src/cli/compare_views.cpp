@@ -10,6 +10,7 @@
 
 #include "voxid/library/mesh_reader.h"
 #include "voxid/library/model_view.h"
+#include "voxid/library/shrink_codes.h"
 
 namespace voxid::cli {
 namespace {
@@ -58,9 +59,7 @@ class Worker {
       : index_(index),
         models_(models),
         out_(out),
-        codes_(comparedCodes(index)),
-        own_(ownCode(index)),
-        described_(own_->bytes) {}
+        codes_(comparedCodes(index)) {}
 
   Status describe(const ModelRows& rows) {
     const std::string name = nameOf(index_, rows.model);
@@ -77,13 +76,27 @@ class Worker {
       if (!isInIndex(view, out_.views[row])) return foreign(name, direction);
       describeRow(view, row);
     }
+    if (index_.projection()) shrinkOwn(rows);
     return {};
   }
 
  private:
-  bool isInIndex(const ModelView& view, std::uint32_t number) {
-    own_->describe(view.image.view(), {view.pixels.data(), view.pixels.size()}, described_.data());
-    return std::memcmp(described_.data(), index_.code(number), described_.size()) == 0;
+  // By its extents: a projection's codes depend on the model's other views, too.
+  bool isInIndex(const ModelView& view, std::uint32_t number) const {
+    const auto extents = extentsOf(view);
+    const format::View kept = index_.view(number);
+    for (std::size_t i = 0; i < extents.size(); ++i) {
+      if (extents[i] >> 8 != kept.extents[i] >> 8) return false;
+    }
+    return true;
+  }
+
+  // As a build of these views alone would.
+  void shrinkOwn(const ModelRows& rows) {
+    const CodeTable& own = *out_.tables.back();
+    std::vector<std::uint8_t*> codes;
+    for (std::size_t row = rows.first; row < rows.last; ++row) codes.push_back(own.code(row));
+    shrinkToMean(codes, own.bytes);
   }
 
   Status foreign(const std::string& name, int direction) const {
@@ -104,8 +117,6 @@ class Worker {
   const std::string& models_;
   const ComparedViews& out_;
   std::vector<std::unique_ptr<ViewCode>> codes_;
-  std::unique_ptr<ViewCode> own_;  // the index's descriptor
-  std::vector<std::uint8_t> described_;
 };
 
 /// Room for a sentence that a process leaves behind.

@@ -113,17 +113,22 @@ Status Projection::check(const std::string& name) {
 }
 
 void Projection::project(const DepthBins& bins, std::uint8_t* code) const {
-  std::array<std::int32_t, 64> product;
+  std::array<std::int32_t, kMostCodeBytes> product;
   multiply(matrix_, codeBytes(), bins.data(), product.data());
-  std::array<std::int64_t, 64> scaled;  // below 2^24, so that squares sum to less than 2^54
-  std::uint64_t squares = 0;
+  std::array<std::int64_t, kMostCodeBytes> scaled;
   for (std::uint32_t i = 0; i < codeBytes(); ++i) {
     scaled[i] = clamped(((std::int64_t{product[i]} + bias_[i]) * factor_q24_[i]) >> 24, (1 << 24) - 1);
-    squares += static_cast<std::uint64_t>(scaled[i] * scaled[i]);
   }
+  bringToLength(scaled.data(), codeBytes(), code);
+}
+
+// 64 squares below 2^48 sum to less than 2^54.
+void bringToLength(const std::int64_t* numbers, std::size_t count, std::uint8_t* code) {
+  std::uint64_t squares = 0;
+  for (std::size_t i = 0; i < count; ++i) squares += static_cast<std::uint64_t>(numbers[i] * numbers[i]);
   const auto length = static_cast<std::int64_t>(std::max<std::uint64_t>(squareRoot(squares), 1));
-  for (std::uint32_t i = 0; i < codeBytes(); ++i) {
-    code[i] = static_cast<std::uint8_t>(clamped(scaled[i] * kCodeLength / length, 127));
+  for (std::size_t i = 0; i < count; ++i) {
+    code[i] = static_cast<std::uint8_t>(clamped(numbers[i] * Projection::kCodeLength / length, 127));
   }
 }
 

@@ -14,6 +14,7 @@
 #include "shard.h"
 #include "voxid/core/index.h"
 #include "voxid/library/index_writer.h"
+#include "voxid/library/shrink_codes.h"
 #include "voxid/library/views.h"
 
 namespace voxid {
@@ -58,7 +59,7 @@ class Builder {
   RenderWork work() const {
     RenderWork work{folder_, parts_.path(), listener_};
     work.jobs = options_.jobs;
-    work.views_every = options_.views_every;
+    work.choice.views_every = options_.views_every;
     work.parameters = parametersOf(options_.profile);
     work.mesh_limits = options_.mesh_limits;
     work.makeEncode = [this] { return encodeWith(options_.profile); };
@@ -97,6 +98,7 @@ class Builder {
     model.origin = file.origin;
     model.synset = file.synset;
     model.views = std::move(shard.value.views);
+    if (options_.profile.projection) shrinkToMean(codesIn(model.views), options_.profile.codeBytes());
     report_.views += static_cast<int>(model.views.size());
     content_.models.push_back(std::move(model));
     calibration_codes_[{file.category, file.name}] = std::move(shard.value.calibration);

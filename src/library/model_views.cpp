@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "deform.h"
 #include "random.h"
 #include "voxid/library/model_view.h"
 #include "voxid/library/renderer.h"
@@ -51,26 +52,6 @@ ModelView lookUntilEnough(const RayScene& scene, const format::Direction& direct
   return best;
 }
 
-std::array<std::uint16_t, 3> extentsOf(const ModelView& seen) {
-  const DepthView view = seen.image.view();
-  std::array<std::int32_t, 3> low{INT32_MAX, INT32_MAX, INT32_MAX}, high{INT32_MIN, INT32_MIN, INT32_MIN};
-  for (const std::uint32_t pixel : seen.pixels) {
-    const int u = static_cast<int>(pixel % view.width_px), v = static_cast<int>(pixel / view.width_px);
-    const PointUm p = backProject(view.camera, u, v, view.depthUm(u, v));
-    const std::int32_t axes[3] = {p.x, p.y, p.z};
-    for (int i = 0; i < 3; ++i) {
-      low[i] = std::min(low[i], axes[i]);
-      high[i] = std::max(high[i], axes[i]);
-    }
-  }
-  std::array<std::uint16_t, 3> extents{};
-  for (int i = 0; i < 3; ++i) {
-    const double share = (static_cast<double>(high[i]) - low[i]) / (seen.diagonal_mm * 1000.0);
-    extents[i] = static_cast<std::uint16_t>(std::min(65535.0, std::round(share * 65535)));
-  }
-  return extents;
-}
-
 /// The code of what was seen; empty if that is too little.
 std::vector<std::uint8_t> codeOf(const ModelView& seen, const EncodeView& encode) {
   if (seen.pixels.size() < kLeastPoints) return {};
@@ -78,6 +59,20 @@ std::vector<std::uint8_t> codeOf(const ModelView& seen, const EncodeView& encode
 }
 
 std::int16_t component(Random& random) { return static_cast<std::int16_t>(random.below(2 * 32767 + 1) - 32767); }
+
+void show(RayScene& scene, const Mesh& mesh) {
+  scene.add(mesh, unitPlacement(mesh));
+  scene.commit();
+}
+
+constexpr std::uint64_t kDeformation = 2000;
+
+ModelView drawDeformedView(const Mesh& mesh, const std::string& name, int direction) {
+  Random random(seedOf(name, kDeformation + static_cast<std::uint64_t>(direction)));
+  RayScene scene;
+  show(scene, deformed(mesh, random));
+  return drawModelView(scene, name, direction);
+}
 
 /// Evenly distributed: a point of the ball, whose length does not matter.
 format::Direction drawDirection(Random& random) {
@@ -100,6 +95,12 @@ format::Direction drawDirection(Random& random) {
 
 }  // namespace
 
+std::vector<std::uint8_t*> codesIn(std::vector<ViewRecord>& views) {
+  std::vector<std::uint8_t*> codes;
+  for (ViewRecord& view : views) codes.push_back(view.code.data());
+  return codes;
+}
+
 EncodeView encodeWith(const Profile& profile) {
   const std::shared_ptr<Encoder> encoder = makeEncoder(profile);
   return [encoder, bytes = profile.codeBytes()](const DepthView& depth, Span<const std::uint32_t> pixels) {
@@ -109,19 +110,40 @@ EncodeView encodeWith(const Profile& profile) {
   };
 }
 
+std::array<std::uint16_t, 3> extentsOf(const ModelView& seen) {
+  const DepthView view = seen.image.view();
+  std::array<std::int32_t, 3> low{INT32_MAX, INT32_MAX, INT32_MAX}, high{INT32_MIN, INT32_MIN, INT32_MIN};
+  for (const std::uint32_t pixel : seen.pixels) {
+    const int u = static_cast<int>(pixel % view.width_px), v = static_cast<int>(pixel / view.width_px);
+    const PointUm p = backProject(view.camera, u, v, view.depthUm(u, v));
+    const std::int32_t axes[3] = {p.x, p.y, p.z};
+    for (int i = 0; i < 3; ++i) {
+      low[i] = std::min(low[i], axes[i]);
+      high[i] = std::max(high[i], axes[i]);
+    }
+  }
+  std::array<std::uint16_t, 3> extents{};
+  for (int i = 0; i < 3; ++i) {
+    const double share = (static_cast<double>(high[i]) - low[i]) / (seen.diagonal_mm * 1000.0);
+    extents[i] = static_cast<std::uint16_t>(std::min(65535.0, std::round(share * 65535)));
+  }
+  return extents;
+}
+
 ModelView drawModelView(const RayScene& scene, const std::string& name, int direction) {
   const format::Direction& from = viewDirections()[static_cast<std::size_t>(direction)];
   return lookUntilEnough(scene, from, name, static_cast<std::uint64_t>(direction));
 }
 
-ModelViews makeViews(const Mesh& mesh, const std::string& name, int views_every, const EncodeView& encode) {
+ModelViews makeViews(const Mesh& mesh, const std::string& name, const ViewChoice& choice, const EncodeView& encode) {
   RayScene scene;
-  scene.add(mesh, unitPlacement(mesh));
-  scene.commit();
+  show(scene, mesh);
 
   ModelViews made;
-  for (int i = 0; i < kDirections; i += views_every) {
-    const ModelView seen = drawModelView(scene, name, i);
+  int number = 0;
+  for (int i = 0; i < kDirections; i += choice.views_every) {
+    const bool deform = choice.deform_second && number++ % 2 == 1;
+    const ModelView seen = deform ? drawDeformedView(mesh, name, i) : drawModelView(scene, name, i);
     ViewRecord view;
     view.code = codeOf(seen, encode);
     if (view.code.empty()) continue;

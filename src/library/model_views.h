@@ -21,11 +21,20 @@ struct ModelViews {
   std::string refusal;                    ///< why there are no views
 };
 
+/// Each view's code.
+std::vector<std::uint8_t*> codesIn(std::vector<ViewRecord>& views);
+
 /// What a view is kept as; empty if there is no answer for it.
 using EncodeView = std::function<std::vector<std::uint8_t>(const DepthView& depth, Span<const std::uint32_t> pixels)>;
 EncodeView encodeWith(const Profile& profile);
 
-/// `name` seeds everything that is random: size, distance, roll, noise. Only every n-th direction if `views_every` is n.
-ModelViews makeViews(const Mesh& mesh, const std::string& name, int views_every, const EncodeView& encode);
+/// Which views are made of a model.
+struct ViewChoice {
+  int views_every = 1;         ///< every n-th direction only
+  bool deform_second = false;  ///< every second view is of a model deformed in its own way: for learning only
+};
+
+/// `name` seeds everything that is random: size, distance, roll, noise.
+ModelViews makeViews(const Mesh& mesh, const std::string& name, const ViewChoice& choice, const EncodeView& encode);
 
 }  // namespace voxid

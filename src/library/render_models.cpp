@@ -13,13 +13,13 @@ ModelViews viewsOf(const RenderWork& work, const ModelFile& model) {
   refused.refusal = model.clash;
   if (!model.clash.empty()) return refused;
   const Result<Mesh> mesh = readMesh(model.path, work.mesh_limits);
-  if (mesh.ok()) return makeViews(mesh.value, model.category + "/" + model.name, work.views_every, encode);
+  if (mesh.ok()) return makeViews(mesh.value, model.category + "/" + model.name, work.choice, encode);
   refused.refusal = mesh.status.sentence;
   return refused;
 }
 
 ShardOrigin originIn(const RenderWork& work, const ModelFile& model) {
-  return originOf(model, work.parameters, work.views_every);
+  return originOf(model, work.parameters, work.choice.views_every);
 }
 
 /// In a worker: the model's shard, which may be there already; the number of views in it.

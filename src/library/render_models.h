@@ -19,7 +19,8 @@ struct RenderWork {
   const ModelFolder& folder;
   const std::string& parts;  ///< folder of the shards
   BuildListener& listener;
-  int jobs = 1, views_every = 1;
+  int jobs = 1;
+  ViewChoice choice{};
   format::Parameters parameters{};  ///< that `makeEncode` describes with; shards made with others are made anew
   MeshReaderLimits mesh_limits{};
   std::function<EncodeView()> makeEncode{};  ///< called once in each worker

@@ -15,6 +15,7 @@
 #include "render_models.h"
 #include "shard.h"
 #include "voxid/library/index_writer.h"
+#include "voxid/library/shrink_codes.h"
 #include "voxid/library/views.h"
 
 namespace voxid {
@@ -160,14 +161,21 @@ std::shared_ptr<const Projection> projectionOf(const ProjectionContent& content)
   return Projection::fromBytes({bytes.data(), bytes.size()}, "in the making").value;
 }
 
+/// As an index of the views would hold them.
 std::vector<std::uint8_t> codesOf(const Lessons& lessons, const Projection& projection) {
   std::vector<std::uint8_t> codes(lessons.views * projection.codeBytes());
-  std::size_t view_number = 0;
+  std::uint8_t* at = codes.data();
   DepthBins bins;
-  forEachView(lessons.models, [&](const ModelRecord&, const ViewRecord& view) {
-    std::copy(view.code.begin(), view.code.end(), bins.begin());
-    projection.project(bins, &codes[view_number++ * projection.codeBytes()]);
-  });
+  for (const ModelRecord& model : lessons.models) {
+    std::vector<std::uint8_t*> of_model;
+    for (const ViewRecord& view : model.views) {
+      std::copy(view.code.begin(), view.code.end(), bins.begin());
+      projection.project(bins, at);
+      of_model.push_back(at);
+      at += projection.codeBytes();
+    }
+    shrinkToMean(of_model, projection.codeBytes());
+  }
   return codes;
 }
 
@@ -239,7 +247,7 @@ class Trainer {
     const std::string parts = parts_.path();
     RenderWork work{folder_, parts, listener_};
     work.jobs = options_.jobs;
-    work.views_every = options_.views_every;
+    work.choice = {options_.views_every, true};
     work.parameters = binsParameters(options_.params);
     work.mesh_limits = options_.mesh_limits;
     work.makeEncode = [this] { return encodeBins(options_.params); };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -34,6 +35,7 @@ class Projection {
 
   /// Bytes of a code: 32 or 64 numbers, -127 to 127, of length kCodeLength, compared by their squared distance.
   static constexpr int kCodeLength = 360;
+  static constexpr std::size_t kMostCodeBytes = 64;
   std::uint32_t codeBytes() const { return header_->code_bytes; }
   void project(const DepthBins& bins, std::uint8_t* code) const;
 
@@ -57,6 +59,10 @@ class Projection {
 
 /// Squared Euclidean distance of two codes, at most 64 x 254^2 = 4,129,024.
 std::uint32_t squaredDistance(const std::uint8_t* a, const std::uint8_t* b, std::size_t code_bytes);
+
+/// Writes numbers below 2^24 in size as a code: kCodeLength of them over their own length, rounded towards zero, clamped
+/// to -127 to 127. All zero stay zero.
+void bringToLength(const std::int64_t* numbers, std::size_t count, std::uint8_t* code);
 
 /// A projection to be written, as `voxid train` makes it.
 struct ProjectionContent {

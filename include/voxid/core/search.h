@@ -45,7 +45,8 @@ std::unique_ptr<Search> makeLshSearch(std::shared_ptr<const Index> index, int ra
 
 /// The learnt hash of profile "default": the `lists` lists whose centroids lie nearest the query are compared in full,
 /// more of them, twice as many each time, until five categories are met (or everything was compared). Of the categories
-/// those are given that the nearest kListPool views belong to, or as many more as it takes to meet five. The recall of a number of lists: doc/benchmarks.md.
+/// those are given that the nearest views belong to, kListPool at least, or as many more as it takes to meet five. The
+/// recall of a number of lists: doc/benchmarks.md.
 std::unique_ptr<Search> makeListSearch(std::shared_ptr<const Index> index, int lists);
 constexpr int kListPool = 256;
 
