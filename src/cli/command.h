@@ -13,6 +13,7 @@ namespace voxid::cli {
 using Run = std::function<Status()>;
 
 /// Each adds its options to `app` and returns what to run once they are parsed.
+Run addAcquire(CLI::App& app);
 Run addAdd(CLI::App& app);
 Run addBench(CLI::App& app);
 Run addBuild(CLI::App& app);
@@ -21,6 +22,7 @@ Run addClassify(CLI::App& app);
 Run addDescribe(CLI::App& app);
 Run addEval(CLI::App& app);
 Run addInfo(CLI::App& app);
+Run addLibrary(CLI::App& app);
 Run addMerge(CLI::App& app);
 Run addRemove(CLI::App& app);
 Run addRender(CLI::App& app);

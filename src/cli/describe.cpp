@@ -32,19 +32,22 @@ struct Options {
 struct Description {
   std::vector<PointUm> points;  ///< that the file holds; NaN and no depth left out
   Described described;
+  std::size_t triangles = 0;  ///< of a mesh
+  MeshBox box;                ///< of a mesh, in its own unit
 };
 
 Result<Description> describePoints(const Options& options, Describer& describer) {
   const auto points = readPointFile(options.file);
   if (!points.ok()) return points.status;
-  return Description{points.value, describer.describe({points.value.data(), points.value.size()})};
+  return Description{points.value, describer.describe({points.value.data(), points.value.size()}), 0, {}};
 }
 
 Result<Description> describeMesh(const Options& options, Describer& describer) {
   const auto mesh = readMeshFile(options.file);
   if (!mesh.ok()) return mesh.status;
   const std::vector<PointUm> points = surfacePoints(mesh.value);
-  return Description{points, describer.describe({points.data(), points.size()})};
+  return Description{points, describer.describe({points.data(), points.size()}), mesh.value.triangles.size(),
+                     boxOf(mesh.value)};
 }
 
 Result<Description> describeImage(const Options& options, Describer& describer) {
@@ -52,7 +55,7 @@ Result<Description> describeImage(const Options& options, Describer& describer) 
   if (!file.ok()) return file.status;
   const std::vector<std::uint32_t> pixels = setPixels(file.value.view());
   const Span<const std::uint32_t> object{pixels.data(), pixels.size()};
-  return Description{pointsOf(file.value.view(), object), describer.describe(file.value.view(), object)};
+  return Description{pointsOf(file.value.view(), object), describer.describe(file.value.view(), object), 0, {}};
 }
 
 std::string statusText(DescribeStatus status) {
@@ -73,6 +76,11 @@ Json toJson(const Options& options, const Description& description) {
   json["file"] = options.file;
   json["status"] = statusText(description.described.status);
   json["points"] = description.points.size();
+  if (description.triangles > 0) {
+    const MeshBox& box = description.box;
+    json["triangles"] = description.triangles;
+    json["extents"] = {box.high[0] - box.low[0], box.high[1] - box.low[1], box.high[2] - box.low[2]};
+  }
   json["descriptor"] = "paper";
   json["pairs"] = options.params.pairs;
   json["seed"] = options.params.seed;

@@ -22,6 +22,7 @@ struct SubCommand {
 };
 
 constexpr SubCommand kSubCommands[] = {
+    {"acquire", "Find models of what a word means, and keep them in a library", addAcquire},
     {"add", "Render models into an index that is there", addAdd},
     {"bench", "Measure descriptors and searches beside other libraries", addBench},
     {"build", "Render models from 80 directions and write an index", addBuild},
@@ -30,6 +31,7 @@ constexpr SubCommand kSubCommands[] = {
     {"describe", "Print the descriptor of an object", addDescribe},
     {"eval", "Measure an index on labelled queries", addEval},
     {"info", "Say what an index holds", addInfo},
+    {"library", "Say what a library of models holds, and what must be attributed", addLibrary},
     {"merge", "Put indices together", addMerge},
     {"remove", "Take categories or models out of an index", addRemove},
     {"render", "Render a model, or a table with models on it, to depth images", addRender},

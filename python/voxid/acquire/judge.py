@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Is a file a model worth keeping? Each is read in a process of its own, with limits: a mesh that crashes the reader costs itself."""
+import collections
+import json
+import pathlib
+import resource
+import signal
+import subprocess
+import tempfile
+
+import cv2
+import numpy as np
+
+SECONDS, MEMORY_BYTES = 90, 6 << 30  # the reader's own child has 60 s and 4 GiB (doc/build.md)
+TRIANGLES = (4, 2_000_000)
+THINNEST = 1e-3  # the second longest side, as a share of the longest; less is a line
+# See difference(). Turned and scaled copies stay below it, other shapes above (doc/acquisition.md).
+SAME_SHAPE = 0.03
+NEIGHBOURS = 3
+
+# `reason` says why a candidate was dropped, empty if it was not; `bins` are the 416 of the whole model.
+Verdict = collections.namedtuple("Verdict", "reason triangles bins thumbnail")
+
+
+def _limit():
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
+    resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def _run(program, *arguments):
+    """(answer, reason): what the child printed, or one sentence about how it ended."""
+    try:
+        done = subprocess.run([program, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                              timeout=SECONDS, preexec_fn=_limit)
+    except subprocess.TimeoutExpired:
+        return None, f"not read within {SECONDS} s"
+    if done.returncode < 0:
+        return None, f"its reader died of {signal.Signals(-done.returncode).name}"
+    if done.returncode > 0:
+        lines = done.stderr.strip().splitlines() or [f"its reader ended with {done.returncode}"]
+        return None, lines[-1].removeprefix("voxid: ")
+    return done.stdout, ""
+
+
+def shaded(depth_mm, size_px=160):
+    """A depth image as a grey picture, lit from the camera, the object filling it."""
+    rows, columns = np.nonzero(depth_mm)
+    if not len(rows):
+        return np.full((size_px, size_px), 255, np.uint8)
+    cut = depth_mm[rows.min():rows.max() + 1, columns.min():columns.max() + 1].astype(np.float32)
+    slope_y, slope_x = np.gradient(cut)
+    light = 40 + 190 / np.sqrt(1 + 0.3 * (slope_x ** 2 + slope_y ** 2))
+    picture = np.where(cut > 0, light, 255).astype(np.uint8)
+    side = max(picture.shape)
+    square = np.full((side, side), 255, np.uint8)
+    top, left = (side - picture.shape[0]) // 2, (side - picture.shape[1]) // 2
+    square[top:top + picture.shape[0], left:left + picture.shape[1]] = picture
+    return cv2.resize(square, (size_px, size_px), interpolation=cv2.INTER_AREA)
+
+
+def _thumbnail(program, mesh):
+    with tempfile.TemporaryDirectory(prefix="voxid-view-") as folder:
+        _, reason = _run(program, "render", mesh, "--view", 7, "--clean", "--out", folder)
+        images = list(pathlib.Path(folder).glob("*.png"))
+        if reason or not images:
+            return None, reason or "shows nothing"
+        return shaded(cv2.imread(str(images[0]), cv2.IMREAD_UNCHANGED)), ""
+
+
+def _wrong_with(described):
+    triangles, extents = described.get("triangles", 0), sorted(described.get("extents", [0, 0, 0]))
+    if not TRIANGLES[0] <= triangles <= TRIANGLES[1]:
+        return f"{triangles} triangles, expected {TRIANGLES[0]} to {TRIANGLES[1]:,}".replace(",", " ")
+    if extents[1] < THINNEST * extents[2]:
+        return "a line, not a body"
+    return ""
+
+
+def judge(program, mesh):
+    """What a mesh file is, by `voxid describe` and `voxid render`."""
+    out, reason = _run(program, "describe", mesh, "--json")
+    if reason:
+        return Verdict(reason, 0, None, None)
+    described = json.loads(out)
+    reason, thumbnail = _wrong_with(described), None
+    if not reason:
+        thumbnail, reason = _thumbnail(program, mesh)
+    return Verdict(reason, described.get("triangles", 0), np.array(described["bins"], np.int32), thumbnail)
+
+
+def difference(a, b):
+    """L1 distance of two descriptors as a share of the most that is possible, the sum of both: 0 to 1."""
+    return float(np.abs(a - b).sum()) / max(1, int(a.sum() + b.sum()))
+
+
+def duplicate_of(bins, others):
+    """Of (name, bins): the name of the nearest that is the same shape, or None."""
+    near = min(((difference(bins, other), name) for name, other in others), default=(1.0, None))
+    return near[1] if near[0] < SAME_SHAPE else None
+
+
+def strangeness(all_bins):
+    """For each of a class its mean distance to its three nearest others; the outliers have the largest."""
+    if len(all_bins) < 2:
+        return [0.0] * len(all_bins)
+    table = np.array([[difference(a, b) for b in all_bins] for a in all_bins])
+    np.fill_diagonal(table, np.inf)
+    nearest = np.sort(table, axis=1)[:, :min(NEIGHBOURS, len(all_bins) - 1)]
+    return nearest.mean(axis=1).tolist()
+
+
+def contact_sheet(pictures, columns=6, size_px=160):
+    """(caption, thumbnail or None) in rows, each with its caption under it."""
+    rows = []
+    for first in range(0, len(pictures), columns):
+        row = np.full((size_px + 22, columns * size_px), 255, np.uint8)
+        for place, (caption, picture) in enumerate(pictures[first:first + columns]):
+            left = place * size_px
+            if picture is not None:
+                row[:size_px, left:left + size_px] = picture
+            cv2.putText(row, caption[:22], (left + 4, size_px + 14), cv2.FONT_HERSHEY_SIMPLEX, 0.38, 0, 1, cv2.LINE_AA)
+        rows.append(row)
+    return np.vstack(rows) if rows else np.full((size_px, columns * size_px), 255, np.uint8)

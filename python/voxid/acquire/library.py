@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A library on disk: <library>/<category>/<model>.<ext>, and library.json, which `voxid build` reads (doc/build.md)."""
+import contextlib
+import fcntl
+import hashlib
+import json
+import os
+import pathlib
+
+from voxid.failure import CANNOT_DO, DAMAGED, Failure
+
+
+def checksum(path):
+    """SHA-256 of a file, in hexadecimal."""
+    digest = hashlib.sha256()
+    with open(path, "rb") as file:
+        while block := file.read(1 << 20):
+            digest.update(block)
+    return digest.hexdigest()
+
+
+def write_whole(path, data):
+    """Writes beside, fsyncs, renames: a reader sees the old file or the new one."""
+    beside = path.with_name(f".{path.name}.part")
+    try:
+        with open(beside, "wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(beside, path)
+    except OSError:
+        beside.unlink(missing_ok=True)
+        raise
+    folder = os.open(path.parent, os.O_RDONLY)
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)
+
+
+class Library:
+    """What library.json says; `notes` is category -> note and category/file -> note."""
+
+    def __init__(self, root):
+        self.root = pathlib.Path(root)
+        self._file = self.root / "library.json"
+        self.notes = self._read()
+
+    def _read(self):
+        if not self._file.exists():
+            return {}
+        try:
+            notes = json.loads(self._file.read_text())
+        except ValueError as error:
+            raise Failure(f"{self._file} is no JSON: {error}", DAMAGED) from None
+        if not isinstance(notes, dict) or not all(isinstance(note, dict) for note in notes.values()):
+            raise Failure(f"{self._file} is not a JSON object of notes; see doc/build.md", DAMAGED)
+        return notes
+
+    @contextlib.contextmanager
+    def locked(self):
+        """One writer at a time; what another wrote meanwhile is read anew."""
+        self.root.mkdir(parents=True, exist_ok=True)
+        with open(self.root / ".lock", "w") as lock:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise Failure(f"{self.root} is being written by another voxid; wait for it to end", CANNOT_DO) from None
+            self.notes = self._read()
+            yield
+
+    def models(self, category=None):
+        """(category/file, note) of the models, kept and dropped, in order."""
+        return [(key, note) for key, note in sorted(self.notes.items())
+                if "/" in key and category in (None, key.split("/")[0])]
+
+    def kept(self, category=None):
+        return [(key, note) for key, note in self.models(category) if (self.root / key).is_file()]
+
+    def keep(self, key, mesh):
+        target = self.root / key
+        target.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(target, mesh.read_bytes())
+
+    def save(self):
+        text = json.dumps(self.notes, indent=1, sort_keys=True, ensure_ascii=False) + "\n"
+        if not self._file.exists() or self._file.read_text() != text:
+            write_whole(self._file, text.encode())

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Folders on disk: any folder of meshes, and local mirrors of ShapeNet, ModelNet, 3DNet and Objaverse by their layout."""
+import gzip
+import json
+import pathlib
+import shutil
+
+from voxid.acquire import source
+from voxid.failure import DAMAGED, Failure
+
+# Which of several files of one model is taken.
+PREFERRED = {format_: rank for rank, format_ in enumerate(source.FORMATS)}
+
+
+def meshes_under(folder):
+    """Mesh files in the order of their paths; links to folders are not followed, so that the walk ends."""
+    return sorted(path for path in folder.rglob("*") if path.suffix[1:].lower() in PREFERRED and path.is_file())
+
+
+def read_json(path):
+    try:
+        opened = gzip.open(path, "rt") if path.suffix == ".gz" else open(path)
+        with opened as file:
+            return json.load(file)
+    except (ValueError, EOFError, gzip.BadGzipFile) as error:
+        raise Failure(f"{path} is no JSON: {error}", DAMAGED) from None
+
+
+class OnDisk(source.Source):
+    """What the mirrors share: a candidate's place is a path."""
+
+    licence = author = url = ""
+
+    def __init__(self, root):
+        self._root = root
+
+    def candidate(self, path, id_, title, query, **known):
+        fields = {"licence": self.licence, "author": self.author, "url": self.url, **known}
+        return source.Candidate(f"{self.name}: {path.relative_to(self._root)}", source.file_name(id_), title,
+                                path.suffix[1:].lower(), path.stat().st_size, word=query, place=path, **fields)
+
+    def fetch(self, candidate, target, limit_bytes):
+        if candidate.place.stat().st_size > limit_bytes:
+            raise Failure(f"{candidate.place} has more than {limit_bytes} bytes")
+        shutil.copyfile(candidate.place, target)
+
+
+class Folder(OnDisk):
+    """Any folder: a mesh is called by its own name, or by that of a folder that it lies in (ModelNet, 3DNet)."""
+
+    name = "folder"
+
+    def search(self, queries, synsets):
+        for path in meshes_under(self._root):
+            inner = path.relative_to(self._root)
+            titles = [path.stem, *reversed(inner.parent.parts)]
+            query = next(filter(None, (source.query_for(title, queries) for title in titles)), None)
+            if query is not None:
+                yield self.candidate(path, str(inner.with_suffix("")), path.stem, query)
+
+
+class ShapeNet(OnDisk):
+    """<synset offset>/<model>/models/model_normalized.obj, or <synset offset>/<model>/model.obj; taxonomy.json beside them."""
+
+    name = "shapenet"
+    url = "https://shapenet.org"
+    licence = "ShapeNet terms of use"
+
+    def search(self, queries, synsets):
+        wanted = self._offsets({f"{synset.offset():08d}": synset.name() for synset in synsets})
+        for offset, name in sorted(wanted.items()):
+            query = source.query_for(name.split(".")[0], queries) or queries[0]
+            for model in sorted(path for path in (self._root / offset).glob("*") if path.is_dir()):
+                files = meshes_under(model)
+                if files:
+                    yield self.candidate(files[0], f"{offset}_{model.name}", f"{name} {model.name}", query)
+
+    def _offsets(self, wanted):
+        """Also what the taxonomy files below a wanted synset: its own names, by its own tree."""
+        taxonomy = read_json(self._root / "taxonomy.json")
+        try:
+            children = {node["synsetId"]: node.get("children", []) for node in taxonomy}
+            names = {node["synsetId"]: node.get("name", "").split(",")[0] for node in taxonomy}
+        except (TypeError, KeyError):
+            raise Failure(f"{self._root}/taxonomy.json is not a list of nodes with synsetId", DAMAGED) from None
+        found, waiting = {}, list(wanted)
+        while waiting:
+            offset = waiting.pop()
+            if offset not in found:
+                found[offset] = wanted.get(offset, names.get(offset, ""))
+                waiting += children.get(offset, [])
+        return {offset: name for offset, name in found.items() if offset.isdigit()}
+
+
+class Objaverse(OnDisk):
+    """object-paths.json[.gz] (uid -> glbs/000-000/uid.glb) and metadata/*.json[.gz] (uid -> name, license, user, viewerUrl)."""
+
+    name = "objaverse"
+
+    def search(self, queries, synsets):
+        paths = read_json(next(p for p in (self._root / "object-paths.json", self._root / "object-paths.json.gz") if p.exists()))
+        root = self._root.resolve()
+        for file in sorted((self._root / "metadata").glob("*.json*")):
+            for uid, about in sorted(read_json(file).items()):
+                query = source.query_for(about.get("name", ""), queries)
+                path = self._root / str(paths.get(uid, ""))
+                inside = root in path.resolve().parents
+                if query is not None and inside and path.is_file():
+                    user = about.get("user") or {}
+                    yield self.candidate(path, uid, about["name"], query, licence=about.get("license") or "",
+                                         author=user.get("displayName") or user.get("username") or "", url=about.get("viewerUrl") or "")
+
+
+def open_folder(root):
+    """The source that a folder's layout is of."""
+    root = pathlib.Path(root)
+    if not root.is_dir():
+        raise Failure(f"{root} is no folder")
+    if (root / "taxonomy.json").exists():
+        return ShapeNet(root)
+    if (root / "object-paths.json").exists() or (root / "object-paths.json.gz").exists():
+        return Objaverse(root)
+    return Folder(root)
