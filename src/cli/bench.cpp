@@ -15,9 +15,9 @@ namespace voxid::cli {
 namespace {
 
 struct Options {
-  std::string index, queries;
+  std::string index, queries, scenes;
   std::vector<std::string> only{"descriptor", "query"};
-  int most_views = 400;
+  int most = 400;
   bool json = false;
 };
 
@@ -26,7 +26,7 @@ Result<std::vector<BenchView>> readViews(const Options& options) {
   const auto queries = readQueries(options.queries, 1);
   if (!queries.ok()) return queries.status;
   const CameraChoice camera = cameraOfFolder(options.queries);
-  const std::size_t all = queries.value.size(), taken = std::min<std::size_t>(all, options.most_views);
+  const std::size_t all = queries.value.size(), taken = std::min<std::size_t>(all, options.most);
   std::vector<BenchView> views;
   for (std::size_t i = 0; i < taken; ++i) {
     const Query& query = queries.value[i * all / taken];
@@ -46,11 +46,12 @@ std::string textOf(const Json& row, const char* field, const char* format) {
   return text;
 }
 
-void printTable(const Json& result) {
+void printQueryRows(const Json& result) {
   std::printf("%zu views; CPU time of one thread\n", result["queries"].get<std::size_t>());
   std::printf("%-24s %10s %10s %7s  %-20s %7s %9s %7s %7s %7s\n", "", "median us", "p99 us", "ratio", "of peer", "GB/s",
               "recall@1", "@10", "top-1", "B/view");
   for (const Json& row : result["rows"]) {
+    if (row.contains("worst_us")) continue;
     std::printf("%-24s %10s %10s %7s  %-20s %7s %9s %7s %7s %7s\n", row["name"].get<std::string>().c_str(),
                 textOf(row, "median_us", "%.1f").c_str(), textOf(row, "p99_us", "%.1f").c_str(),
                 textOf(row, "ratio", "%.1f").c_str(),
@@ -61,7 +62,21 @@ void printTable(const Json& result) {
   }
 }
 
-Status run(const Options& options) {
+void printSceneRows(const Json& result) {
+  std::printf("CPU time of one thread; PCL: SACSegmentation and EuclideanClusterExtraction\n");
+  std::printf("%-24s %10s %10s %8s %8s %8s %6s %6s\n", "", "median us", "worst us", "x PCL", "5 mm", "right", "PCL",
+              "5 mm");
+  for (const Json& row : result["rows"]) {
+    if (!row.contains("worst_us")) continue;
+    std::printf("%-24s %10s %10s %8s %8s %4s/%-3s %6s %6s\n", row["name"].get<std::string>().c_str(),
+                textOf(row, "median_us", "%.0f").c_str(), textOf(row, "worst_us", "%.0f").c_str(),
+                textOf(row, "ratio", "%.0f").c_str(), textOf(row, "ratio_voxels", "%.1f").c_str(),
+                textOf(row, "right", "%.0f").c_str(), textOf(row, "objects", "%.0f").c_str(),
+                textOf(row, "peer_right", "%.0f").c_str(), textOf(row, "peer_right_voxels", "%.0f").c_str());
+  }
+}
+
+Status addQueryRows(const Options& options, Json& result) {
   const auto index = Index::open(options.index);
   if (!index.ok()) return index.status;
   const auto views = readViews(options);
@@ -69,21 +84,46 @@ Status run(const Options& options) {
   const auto wanted = [&](const char* group) {
     return std::find(options.only.begin(), options.only.end(), group) != options.only.end();
   };
-  Json result;
   result["queries"] = views.value.size();
   result["views"] = index.value->viewCount();
-  result["rows"] = Json::array();
   if (wanted("descriptor")) {
     for (Json& row : benchDescriptors(index.value->profile(), views.value)) result["rows"].push_back(std::move(row));
   }
   if (wanted("query")) {
     for (Json& row : benchQueries(index.value, views.value)) result["rows"].push_back(std::move(row));
   }
+  return {};
+}
+
+Status addSceneRows(const Options& options, Json& result) {
+  auto rows = benchSegmentation(options.scenes, options.most);
+  if (!rows.ok()) return rows.status;
+  for (Json& row : rows.value) result["rows"].push_back(std::move(row));
+  return {};
+}
+
+Status checked(const Options& options) {
+  if (options.queries.empty() && options.scenes.empty())
+    return Status::badUse("bench needs something to measure on: --queries DIR with --index FILE, or --scenes DIR");
+  if (!options.queries.empty() && options.index.empty())
+    return Status::badUse("--queries needs --index FILE, whose searches are measured");
+  return {};
+}
+
+Status run(const Options& options) {
+  Status status = checked(options);
+  if (!status.ok()) return status;
+  Json result;
+  result["rows"] = Json::array();
+  if (!options.queries.empty()) status = addQueryRows(options, result);
+  if (status.ok() && !options.scenes.empty()) status = addSceneRows(options, result);
+  if (!status.ok()) return status;
   if (options.json) {
     std::cout << lineOf(result);
-  } else {
-    printTable(result);
+    return {};
   }
+  if (!options.queries.empty()) printQueryRows(result);
+  if (!options.scenes.empty()) printSceneRows(result);
   return {};
 }
 
@@ -120,14 +160,13 @@ void comparePeer(Json& row, const std::string& peer, double peer_median_us) {
 
 Run addBench(CLI::App& app) {
   const auto options = std::make_shared<Options>();
-  app.add_option("--index", options->index, "The index (.vxi) to search")->type_name("FILE")->required();
-  app.add_option("--queries", options->queries, "Depth images of one object each, with queries.csv")
-      ->type_name("DIR")
-      ->required();
-  app.add_option("--only", options->only, "Measure these only: descriptor, query")
+  app.add_option("--index", options->index, "The index (.vxi) to search")->type_name("FILE");
+  app.add_option("--queries", options->queries, "Depth images of one object each, with queries.csv")->type_name("DIR");
+  app.add_option("--scenes", options->scenes, "Labelled frames (objects.json), for the segmentation")->type_name("DIR");
+  app.add_option("--only", options->only, "Of the queries measure these only: descriptor, query")
       ->delimiter(',')
       ->check(CLI::IsMember({"descriptor", "query"}));
-  app.add_option("--most", options->most_views, "Take at most N of the queries, evenly")
+  app.add_option("--most", options->most, "Take at most N of the queries or scenes, evenly")
       ->type_name("N")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000000));

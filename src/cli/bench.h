@@ -35,6 +35,10 @@ void comparePeer(Json& row, const std::string& peer, double peer_median_us);
 /// thinned to 1,300, 3,000 and 6,000 points.
 std::vector<Json> benchDescriptors(const Profile& profile, const std::vector<BenchView>& views);
 
+/// segment/vga and segment/qvga (plane and components), segment/full (all steps) over at most `most` scenes of FOLDER
+/// (evenly chosen, 640 x 480), each 20 times, beside PCL's chain on the same frames.
+Result<std::vector<Json>> benchSegmentation(const std::string& folder, int most);
+
 /// The searches of an index and of other libraries over its codes.
 std::vector<Json> benchQueries(const std::shared_ptr<const Index>& index, const std::vector<BenchView>& views);
 

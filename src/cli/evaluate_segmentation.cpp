@@ -11,7 +11,6 @@
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 
-#include "depth_file.h"
 #include "voxid/geometry/segmenter.h"
 
 namespace voxid::cli {
@@ -147,7 +146,7 @@ Result<json> readTruth(const std::filesystem::path& path) {
   if (!file)
     return Status::cannotDo(
         path.string() +
-        ": cannot be read; --evaluate expects a folder with objects.json, NAME_depth.png and NAME_labels.png");
+        ": cannot be read; expected a folder with objects.json, NAME_depth.png and NAME_labels.png");
   json truth = json::parse(file, nullptr, false);
   if (!truth.is_object()) return Status::damaged(path.string() + ": is not a JSON object of scenes");
   return truth;
@@ -164,8 +163,7 @@ double timeOf(const DepthView& view, const SegmentParams& params, Segmenter& seg
   return medianOf(times_ms);
 }
 
-Status addFile(const std::filesystem::path& folder, const std::string& name, const json& truth,
-               const SegmentParams& params, bool timing, Segmenter& segmenter, SegmentationScore& score) {
+Result<LabelledScene> readScene(const std::filesystem::path& folder, const std::string& name, const json& truth) {
   const Result<DepthFile> depth = readDepthFile((folder / (name + "_depth.png")).string(), CameraChoice{});
   if (!depth.ok()) return depth.status;
   const std::string labels_path = (folder / (name + "_labels.png")).string();
@@ -173,10 +171,7 @@ Status addFile(const std::filesystem::path& folder, const std::string& name, con
   if (labels.type() != CV_16UC1 || labels.size() != depth.value.pixels.size()) {
     return Status::cannotDo(labels_path + ": expected a 16-bit image of the depth image's size");
   }
-  const DepthView view = depth.value.view();
-  if (timing) score.segment_ms.push_back(timeOf(view, params, segmenter));
-  addScene(name, segmenter.segment(view, params), labels, view, truth, score);
-  return {};
+  return LabelledScene{name, depth.value, labels, truth};
 }
 
 }  // namespace
@@ -209,15 +204,26 @@ void addScene(const std::string& name, const Scene& scene, const cv::Mat& labels
   }
 }
 
-Result<SegmentationScore> evaluateFolder(const std::string& folder, const SegmentParams& params, bool timing) {
+Status visitScenes(const std::string& folder, const std::function<void(const LabelledScene&)>& visit) {
   const Result<json> truth = readTruth(std::filesystem::path(folder) / "objects.json");
   if (!truth.ok()) return truth.status;
+  for (const auto& [name, entry] : truth.value.items()) {
+    const Result<LabelledScene> scene = readScene(folder, name, entry);
+    if (!scene.ok()) return scene.status;
+    visit(scene.value);
+  }
+  return {};
+}
+
+Result<SegmentationScore> evaluateFolder(const std::string& folder, const SegmentParams& params, bool timing) {
   SegmentationScore score;
   Segmenter segmenter;
-  for (const auto& [name, scene] : truth.value.items()) {
-    const Status status = addFile(folder, name, scene, params, timing, segmenter, score);
-    if (!status.ok()) return status;
-  }
+  const Status status = visitScenes(folder, [&](const LabelledScene& scene) {
+    const DepthView view = scene.depth.view();
+    if (timing) score.segment_ms.push_back(timeOf(view, params, segmenter));
+    addScene(scene.name, segmenter.segment(view, params), scene.labels, view, scene.truth, score);
+  });
+  if (!status.ok()) return status;
   return score;
 }
 

@@ -2,11 +2,13 @@
 // Segmentation compared with hand-made labels (layout of the modified Object Segmentation Database).
 #pragma once
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
+#include "depth_file.h"
 #include "voxid/core/status.h"
 #include "voxid/geometry/scene.h"
 #include "voxid/geometry/segment_params.h"
@@ -36,6 +38,17 @@ struct SegmentationScore {
 /// Labels: 0 no depth, 1 to 9 table, else id * 10 + part. `truth`: the scene's entry of objects.json.
 void addScene(const std::string& name, const Scene& scene, const cv::Mat& labels, const DepthView& depth,
               const nlohmann::json& truth, SegmentationScore& score);
+
+/// A frame of such a folder: NAME_depth.png, NAME_labels.png and its entry of objects.json.
+struct LabelledScene {
+  std::string name;
+  DepthFile depth;
+  cv::Mat labels;  ///< CV_16UC1, of the depth image's size
+  nlohmann::json truth;
+};
+
+/// Every scene that FOLDER/objects.json names, in the order of the names.
+Status visitScenes(const std::string& folder, const std::function<void(const LabelledScene&)>& visit);
 
 /// Segments every scene that DIR/objects.json names; `timing`: 20 times, for the time.
 Result<SegmentationScore> evaluateFolder(const std::string& folder, const SegmentParams& params, bool timing);

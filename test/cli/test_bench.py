@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Rows and fields of `voxid bench`; how fast anything is on this machine is not tested."""
+import json
+
+import cv2
+import numpy as np
 import pytest
 
 TIMES = {"name", "median_us", "p99_us", "peer", "peer_median_us", "ratio"}
@@ -89,7 +93,51 @@ def test_the_table_has_a_line_a_row(voxid, index, queries):
     assert [line.split()[0] for line in answer.out.splitlines()[2:5]] == ["query/paper", "query/exact", "query/default"]
 
 
+@pytest.fixture(scope="module")
+def scenes(voxid, models, tmp_path_factory):
+    """A table with a cube and a tin, labelled."""
+    folder, made = tmp_path_factory.mktemp("scenes"), tmp_path_factory.mktemp("made")
+    meshes = [models / "cube" / "cube_a.ply", models / "tin" / "tin_a.ply"]
+    answer = voxid("render", "--table", "--models", *meshes, "--sizes", 12, "--out", made, "--labels", made / "labels.png")
+    assert answer.code == 0, answer.err
+    depth = cv2.imread(str(made / "frame_0000.png"), cv2.IMREAD_UNCHANGED)
+    seen = cv2.imread(str(made / "labels.png"), cv2.IMREAD_UNCHANGED).astype(np.uint16)
+    (folder / "camera_info.yaml").write_bytes((made / "camera_info.yaml").read_bytes())
+    assert cv2.imwrite(str(folder / "a_depth.png"), depth)
+    assert cv2.imwrite(str(folder / "a_labels.png"), np.where(seen > 0, 10 * (seen + 1), depth > 0).astype(np.uint16))
+    truth = [{"id": number, "truncated": False, "alone_at_2cm": True, "parts": 1} for number in (2, 3)]
+    (folder / "objects.json").write_text(json.dumps({"a": {"objects": truth}}))
+    return folder
+
+
+def test_the_segmentation_stands_beside_pcl(voxid, scenes):
+    result = voxid("bench", "--scenes", scenes, "--json").json
+    assert [row["name"] for row in result["rows"]] == ["segment/vga", "segment/qvga", "segment/full"]
+    for row in result["rows"]:
+        assert 0 < row["median_us"] <= row["worst_us"]
+        assert (row["scenes"], row["objects"], row["right"]) == (1, 2, 2)
+        assert (row["peer_right"], row["peer_right_voxels"]) == (2, 2)
+        assert row["ratio"] == pytest.approx(row["peer_median_us"] / row["median_us"], abs=0.01, rel=0.01)
+        assert row["ratio_voxels"] == pytest.approx(row["peer_median_us_voxels"] / row["median_us"], abs=0.01, rel=0.01)
+
+
+def test_scenes_of_another_size_are_refused(voxid, scenes, tmp_path):
+    (tmp_path / "objects.json").write_text('{"a": {"objects": []}}')
+    (tmp_path / "camera_info.yaml").write_text(
+        "image_width: 320\nimage_height: 240\n"
+        "camera_matrix: {rows: 3, cols: 3, data: [262.5, 0.0, 159.5, 0.0, 262.5, 119.5, 0.0, 0.0, 1.0]}\n")
+    for name in ("a_depth.png", "a_labels.png"):
+        image = cv2.imread(str(scenes / name), cv2.IMREAD_UNCHANGED)
+        assert cv2.imwrite(str(tmp_path / name), image[:240, :320])
+    voxid("bench", "--scenes", tmp_path).refuses(1, "320 x 240", "640 x 480")
+    (tmp_path / "objects.json").write_text("{}")
+    voxid("bench", "--scenes", tmp_path).refuses(3, "objects.json")
+
+
 def test_bad_use(voxid, index, queries, tmp_path):
+    voxid("bench").refuses(2, "--queries", "--scenes")
+    voxid("bench", "--queries", queries).refuses(2, "--index")
+    voxid("bench", "--scenes", tmp_path).refuses(1, "objects.json")
     bench(voxid, index, queries, "--only", "speed").refuses(2, "--only")
     bench(voxid, tmp_path / "none.vxi", queries).refuses(1, "none.vxi")
     bench(voxid, index, tmp_path).refuses(1, "queries.csv")
