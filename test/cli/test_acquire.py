@@ -60,7 +60,7 @@ def test_table_covers_the_training_models():
 
 
 def test_without_a_terminal_the_senses_are_listed_and_it_ends(voxid):
-    answer = voxid("acquire", "mug", "--explain", "--json")
+    answer = voxid("acquire", "mug", "--json")
     answer.refuses(2, "--sense", "4 (mug.n.04)")
     senses = answer.lines
     assert {s["sense"]: s["name"] for s in senses} == {1: "mug.n.01", 2: "chump.n.01", 3: "countenance.n.03", 4: "mug.n.04"}
@@ -80,7 +80,7 @@ def test_bad_use_is_one_sentence(voxid, tmp_path):
     voxid("acquire", "mug", "--sense", 9, "--explain").refuses(2, "--sense 9")
     voxid("acquire", "qqqqx", "--explain").refuses(3, "qqqqx")
     voxid("acquire", "../mug", "--explain").refuses(2, "../mug")
-    voxid("acquire", "mug").refuses(2, "--source")
+    voxid("acquire", "mug", "--sense", 4).refuses(2, "--source")
     voxid("acquire", "mug", "--frobnicate").refuses(2, "--frobnicate")
     voxid("acquire", "mug", "--sense", 4, "--source", tmp_path / "none", "--out", tmp_path / "lib").refuses(1, "none")
     voxid("library", "list", tmp_path).refuses(1, "library.json")

@@ -36,9 +36,14 @@ def options_of(arguments):
     options = parser.parse_args(arguments)
     if options.most < 1 or options.max_mb < 1:
         parser.error("--most and --max-mb expect a number of at least 1")
-    if not options.explain and not (options.source and options.out):
-        parser.error("acquire needs --source and --out, or --explain")
+    if options.sense is not None:  # else the senses are listed first
+        need_places(options)
     return options
+
+
+def need_places(options):
+    if not options.explain and not (options.source and options.out):
+        raise Failure("acquire needs --source and --out, or --explain; see voxid acquire --help", BAD_USE)
 
 
 def numbers_of(text, most):
@@ -250,6 +255,7 @@ def run(program, arguments):
     options = options_of(arguments)
     with meaning.WordNet() as wordnet:
         synset = chosen_sense(options, wordnet)
+        need_places(options)
         queries = words.queries(synset, options.depth)
         if options.explain:
             return explain(options, synset, queries)
