@@ -32,10 +32,11 @@ struct TrainReport {
   std::vector<SkippedModel> skipped;
 };
 
-/// Renders the models, learns the map under which categories differ most (linear discriminant analysis), rounds it to
-/// integers, learns the centroids (Lloyd's algorithm) and the calibration, and writes the file. Floating point: the
-/// same machine gives the same bytes. Call it from a process with one thread. Fails as buildIndex does, and with
-/// NothingFound where fewer than two categories or fewer views than code_bytes are left.
+/// Renders the models, every second view of a deformed copy (another thing of its category), learns the map under which
+/// categories differ most (linear discriminant analysis), rounds it to integers, learns the centroids (Lloyd's
+/// algorithm) and the calibration, and writes the file. Floating point: the same machine gives the same bytes. Call it
+/// from a process with one thread. Fails as buildIndex does, and with NothingFound where fewer than two categories or
+/// fewer views than code_bytes are left.
 Result<TrainReport> trainProjection(const TrainOptions& options, BuildListener& listener);
 
 }  // namespace voxid
