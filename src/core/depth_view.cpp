@@ -2,7 +2,6 @@
 #include "voxid/core/depth_view.h"
 
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 namespace voxid {
@@ -33,19 +32,6 @@ std::int32_t lateralUm(std::int64_t pixel, std::int32_t centre_q16, std::int32_t
   return saturate((product < 0 ? product - half : product + half) / focal_q16);
 }
 
-std::int32_t metresToUm(float z_m) {
-  const double z_um = static_cast<double>(z_m) * 1e6 + 0.5;
-  return z_um >= 1.0 && z_um < kMaxDepthUm + 1.0 ? static_cast<std::int32_t>(z_um) : 0;  // false for NaN
-}
-
-template <typename T>
-T load(const DepthView& depth, int u, int v) {
-  T value;
-  const auto* row = static_cast<const unsigned char*>(depth.data) + static_cast<std::size_t>(v) * depth.row_bytes;
-  std::memcpy(&value, row + static_cast<std::size_t>(u) * sizeof(T), sizeof(T));  // rows may be unaligned
-  return value;
-}
-
 }  // namespace
 
 Camera Camera::fromPixels(double fx_px, double fy_px, double cx_px, double cy_px) {
@@ -57,9 +43,9 @@ PointUm backProject(const Camera& camera, int u, int v, std::int32_t z_um) {
   return {lateralUm(u, camera.cx_q16, camera.fx_q16, z_um), lateralUm(v, camera.cy_q16, camera.fy_q16, z_um), z_um};
 }
 
-std::int32_t DepthView::depthUm(int u, int v) const {
-  if (unit == DepthUnit::MetreF32) return metresToUm(load<float>(*this, u, v));
-  return load<std::uint16_t>(*this, u, v) * 1000;
+std::int32_t DepthView::metresToUm(float z_m) {
+  const double z_um = static_cast<double>(z_m) * 1e6 + 0.5;
+  return z_um >= 1.0 && z_um < kMaxDepthUm + 1.0 ? static_cast<std::int32_t>(z_um) : 0;  // false for NaN
 }
 
 }  // namespace voxid

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "even_choice.h"
+#include "line_walker.h"
 #include "normaliser.h"
 #include "pair_sampler.h"
 #include "voxid/core/trace.h"
@@ -52,7 +53,7 @@ Cell cellOf(std::int16_t x, std::int16_t y, std::int16_t z) {
 
 struct Sample {
   std::int16_t x, y, z;  // from the centroid, D / 4096
-  Cell cell;
+  std::uint32_t cell;    // orderOf()
 };
 
 // floor(sqrt(i)): the bin of a squared distance / 1024, since a bin is 32 units wide.
@@ -151,13 +152,18 @@ struct Describer::Workspace {
   RootTable roots = makeRootTable();
   VerdictTable verdicts = makeVerdictTable();
   VoxelGrid surface;
+  LineWalker lines;
+  std::array<std::uint8_t, LineWalker::kLines> distance_bins;  // of the lines
   std::array<PointUm, kMaxPoints> points;
   std::array<Sample, kMaxPoints> samples;
 
   Described describeKept(Span<const PointUm> kept);
   void place(Span<const PointUm> kept, const Frame& frame);
   void drawSurface(std::size_t points);
-  Counts drawPairs(std::size_t points) const;
+  int distanceBin(const Sample& a, const Sample& b) const;
+  Counts drawPairs(std::size_t points);
+  void drawLines(std::size_t count, PairSampler& pairs);
+  void countLines(std::size_t count, Counts& counts) const;
 };
 
 Described Describer::Workspace::describeKept(Span<const PointUm> kept) {
@@ -173,34 +179,57 @@ Described Describer::Workspace::describeKept(Span<const PointUm> kept) {
 
 void Describer::Workspace::place(Span<const PointUm> kept, const Frame& frame) {
   const DistanceScale scale(normaliserOf(kept, frame));
+  surface.clear();
   const Vector c = scale.centroid();
   for (std::size_t i = 0; i < kept.size; ++i) {
     const Vector p = frame.of(kept[i]);
     const std::int16_t x = scale.along(p.x, c.x), y = scale.along(p.y, c.y), z = scale.along(p.z, c.z);
-    samples[i] = {x, y, z, cellOf(x, y, z)};
+    const Cell cell = cellOf(x, y, z);
+    samples[i] = {x, y, z, orderOf(cell)};
+    surface.set(cell);
   }
 }
 
 void Describer::Workspace::drawSurface(std::size_t points) {
-  surface.clear();
-  for (std::size_t i = 0; i < points; ++i) surface.set(samples[i].cell);
   surface.thicken();
   surface.close();
 }
 
-Counts Describer::Workspace::drawPairs(std::size_t points) const {
+int Describer::Workspace::distanceBin(const Sample& a, const Sample& b) const {
+  const std::uint32_t bin_squared = squaredDistance(a, b) / 1024;
+  return bin_squared < kRootTable ? roots[bin_squared] : kFineBins - 1;
+}
+
+Counts Describer::Workspace::drawPairs(std::size_t points) {
   Counts counts;
   PairSampler pairs(params.seed, static_cast<std::uint32_t>(points));
-  for (std::uint32_t i = 0; i < params.pairs; ++i) {
-    const auto [first, second] = pairs.next();
-    const Sample &a = samples[first], &b = samples[second];
-    const std::uint32_t bin_squared = squaredDistance(a, b) / 1024;
-    const int distance_bin = bin_squared < kRootTable ? roots[bin_squared] : kFineBins - 1;
-    const Verdict verdict = verdicts[entryOf(walk(surface, a.cell, b.cell))];
-    ++counts.distance[verdict.kind][distance_bin];
-    ++counts.ratio[verdict.ratio_bin];
+  lines.see(surface);
+  for (std::size_t left = params.pairs; left > 0;) {
+    const std::size_t batch = std::min(left, LineWalker::kLines);
+    drawLines(batch, pairs);
+    lines.walk(batch);
+    countLines(batch, counts);
+    left -= batch;
   }
   return counts;
+}
+
+void Describer::Workspace::drawLines(std::size_t count, PairSampler& pairs) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto [first, second] = pairs.next();
+    const Sample &a = samples[first], &b = samples[second];
+    lines.from[i] = a.cell;
+    lines.to[i] = b.cell;
+    distance_bins[i] = static_cast<std::uint8_t>(distanceBin(a, b));
+  }
+}
+
+void Describer::Workspace::countLines(std::size_t count, Counts& counts) const {
+  for (std::size_t i = 0; i < count; ++i) {
+    const Verdict verdict = verdicts[entryOf({lines.inner[i], lines.on[i]})];
+    ++counts.distance[verdict.kind][distance_bins[i]];
+    ++counts.ratio[verdict.ratio_bin];
+  }
 }
 
 Describer::Describer(const DescriptorParams& params) : workspace_(std::make_unique<Workspace>()) {

@@ -45,6 +45,12 @@ inline bool pixelAt(const DepthView& depth, std::uint32_t number, Pixel& pixel) 
 template <typename Take>
 void forEachPixel(const DepthView& depth, Span<const std::uint32_t> pixels, Take take) {
   Pixel pixel;
+  if (pixels.size <= kMaxPoints) {
+    for (const std::uint32_t number : pixels) {
+      if (pixelAt(depth, number, pixel)) take(pixel);
+    }
+    return;
+  }
   std::size_t seen = 0;
   for (const std::uint32_t number : pixels) seen += pixelAt(depth, number, pixel);
   const EvenChoice choice(seen);

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 namespace voxid {
 
@@ -43,8 +44,20 @@ struct DepthView {
 
   /// Depth along the optical axis at (u, v), micrometres; 0 = none (also beyond 65.535 m). u, v must be inside the
   /// image.
-  std::int32_t depthUm(int u, int v) const;
+  std::int32_t depthUm(int u, int v) const {
+    return unit == DepthUnit::MillimetreU16 ? load<std::uint16_t>(u, v) * 1000 : metresToUm(load<float>(u, v));
+  }
   bool empty() const { return data == nullptr || width_px <= 0 || height_px <= 0; }
+
+ private:
+  template <typename T>
+  T load(int u, int v) const {
+    T value;
+    const auto* row = static_cast<const unsigned char*>(data) + static_cast<std::size_t>(v) * row_bytes;
+    std::memcpy(&value, row + static_cast<std::size_t>(u) * sizeof(T), sizeof(T));  // rows may be unaligned
+    return value;
+  }
+  static std::int32_t metresToUm(float z_m);
 };
 
 }  // namespace voxid
