@@ -127,25 +127,58 @@ struct LineParts {
 };
 enum Part { kOn, kInFront, kBehind, kOutside };
 
-// Sample k lies at t = (2 k + 1) / 32.
-VOXID_VECTORISED LineParts walk(const DepthPatch& patch, const SurfaceCell& a, const SurfaceCell& b) {
+// As many pairs as walk their lines in step: a register of AVX-512.
+constexpr std::size_t kGroup = 16;
+
+// Pairs of cells, each with a third one.
+struct Group {
+  std::array<const SurfaceCell*, kGroup> first, second, third;
+  std::size_t pairs = 0;
+};
+
+// One coordinate of the lines of a group, in 1/32 of its unit.
+struct Lanes {
+  std::array<std::int32_t, kGroup> at, step;
+
+  // Sample k lies at t = (2 k + 1) / 32.
+  void start(std::size_t line, std::int32_t from, std::int32_t to) {
+    at[line] = 32 * from - (to - from);
+    step[line] = 2 * (to - from);
+  }
+};
+
+// A group that is not full repeats its first pair.
+VOXID_VECTORISED void walk(const DepthPatch& patch, const Group& group, std::array<LineParts, kGroup>& lines) {
+  constexpr std::int32_t kHalf = 16;
   const std::int32_t tolerance = patch.tolerance();
   const std::int32_t* const surface = patch.rows();
-  const std::int32_t dc = b.column - a.column, dr = b.row - a.row, dw = b.w - a.w;
-  const std::int32_t c = 32 * a.column + 16, r = 32 * a.row + 16, w = 32 * a.w;
-  std::int32_t in_front = 0, behind = 0, outside = 0, sag = 0;
-  for (std::int32_t k = 0; k < kSamples; ++k) {
-    const std::int32_t t = 2 * k + 1;
-    const std::int32_t seen = surface[((r + t * dr) >> 5) * DepthPatch::kSide + ((c + t * dc) >> 5)];
-    const std::int32_t hole = seen == DepthPatch::kHole, depth = hole ? 0 : ((w + t * dw) >> 5) - seen;
-    in_front += depth < -tolerance;
-    behind += depth > tolerance;
-    outside += hole;
-    sag += depth;
+  Lanes column, row, w;
+  for (std::size_t i = 0; i < kGroup; ++i) {
+    const SurfaceCell &a = *group.first[i], &b = *group.second[i];
+    column.start(i, a.column, b.column);
+    row.start(i, a.row, b.row);
+    w.start(i, a.w, b.w);
+  }
+  std::array<std::int32_t, kGroup> in_front{}, behind{}, outside{}, sag{};
+  for (int k = 0; k < kSamples; ++k) {
+    for (std::size_t i = 0; i < kGroup; ++i) {
+      column.at[i] += column.step[i];
+      row.at[i] += row.step[i];
+      w.at[i] += w.step[i];
+      const std::int32_t seen = surface[((row.at[i] + kHalf) >> 5) * DepthPatch::kSide + ((column.at[i] + kHalf) >> 5)];
+      const std::int32_t hole = seen == DepthPatch::kHole, depth = ((w.at[i] >> 5) - seen) & (hole - 1);
+      in_front[i] += depth < -tolerance;
+      behind[i] += depth > tolerance;
+      outside[i] += hole;
+      sag[i] += depth;
+    }
   }
   const auto count = [](std::int32_t samples) { return static_cast<std::uint8_t>(samples); };
-  const std::int32_t met = kSamples - outside;
-  return {{count(met - in_front - behind), count(in_front), count(behind), count(outside)}, met == 0 ? 0 : sag / met};
+  for (std::size_t i = 0; i < kGroup; ++i) {
+    const std::int32_t met = kSamples - outside[i];
+    lines[i] = {{count(met - in_front[i] - behind[i]), count(in_front[i]), count(behind[i]), count(outside[i])},
+                met == 0 ? 0 : sag[i] / met};
+  }
 }
 
 int kindOf(const LineParts& line) {
@@ -170,7 +203,8 @@ struct DepthDescriber::Workspace {
   void countCells();
   void countCell(const SurfaceCell& cell);
   void countPairs();
-  void countPair(const SurfaceCell& a, const SurfaceCell& b, const SurfaceCell& c);
+  void countGroup(Group& group);
+  void countPair(const SurfaceCell& a, const SurfaceCell& b, const SurfaceCell& c, const LineParts& parts);
   void countLine(const LineParts& line, int distance);
   void countNormals(const SurfaceCell& a, const SurfaceCell& b, const Direction1024& direction, int distance);
   void countThree(const Offset& line, const Direction1024& direction, const Offset& to_third);
@@ -215,21 +249,40 @@ void DepthDescriber::Workspace::countCell(const SurfaceCell& cell) {
 void DepthDescriber::Workspace::countPairs() {
   const Span<const SurfaceCell> cells = patch.cells();
   PairSampler pairs(params.seed, static_cast<std::uint32_t>(cells.size));
-  PairSampler::Pair before = pairs.next();
-  for (std::uint32_t i = 0; i < params.pairs; ++i) {
-    const PairSampler::Pair pair = pairs.next();
-    countPair(cells[pair.first], cells[pair.second], cells[before.first]);
-    before = pair;
+  const SurfaceCell* before = &cells[pairs.next().first];
+  for (std::size_t left = params.pairs; left > 0;) {
+    Group group;
+    group.pairs = std::min(left, kGroup);
+    for (std::size_t i = 0; i < group.pairs; ++i) {
+      const auto [first, second] = pairs.next();
+      group.first[i] = &cells[first];
+      group.second[i] = &cells[second];
+      group.third[i] = std::exchange(before, group.first[i]);
+    }
+    countGroup(group);
+    left -= group.pairs;
   }
 }
 
-// `c` makes them three.
-void DepthDescriber::Workspace::countPair(const SurfaceCell& a, const SurfaceCell& b, const SurfaceCell& c) {
+void DepthDescriber::Workspace::countGroup(Group& group) {
+  for (std::size_t i = group.pairs; i < kGroup; ++i) {
+    group.first[i] = group.first[0];
+    group.second[i] = group.second[0];
+  }
+  std::array<LineParts, kGroup> lines;
+  walk(patch, group, lines);
+  for (std::size_t i = 0; i < group.pairs; ++i) {
+    countPair(*group.first[i], *group.second[i], *group.third[i], lines[i]);
+  }
+}
+
+void DepthDescriber::Workspace::countPair(const SurfaceCell& a, const SurfaceCell& b, const SurfaceCell& c,
+                                          const LineParts& parts) {
   const Offset line = between(a, b);
   const Direction1024 direction = normalised(line.x, line.y, line.z);
   const int distance = roots.partOf(squared(line));
   count(kDistance, distance);
-  countLine(walk(patch, a, b), distance);
+  countLine(parts, distance);
   countNormals(a, b, direction, distance);
   countThree(line, direction, between(a, c));
 }

@@ -73,31 +73,7 @@ std::int16_t toleranceOf(std::int64_t z0_um, std::int64_t d_um) {
   return static_cast<std::int16_t>(std::min(std::max(step_um * DepthPatch::kUnits / d_um, kLeast), kMaxDepthUnits));
 }
 
-// 2^15 / sqrt(i / 256) for i from 256 to 1023.
-using InverseRootTable = std::array<std::uint16_t, 1024>;
-InverseRootTable makeInverseRootTable() {
-  InverseRootTable table{};
-  for (std::uint64_t i = 256; i < table.size(); ++i) {
-    table[i] = static_cast<std::uint16_t>(squareRoot((std::uint64_t{1} << 38) / i));
-  }
-  return table;
-}
-
-int highestBit(std::uint32_t n) { return 31 - __builtin_clz(n); }
-
 }  // namespace
-
-Direction1024 normalised(std::int32_t x, std::int32_t y, std::int32_t z) {
-  static const InverseRootTable kInverseRoots = makeInverseRootTable();
-  const std::uint32_t square =
-      static_cast<std::uint32_t>(x * x) + static_cast<std::uint32_t>(y * y) + static_cast<std::uint32_t>(z * z);
-  if (square == 0) return {0, 0, 0};
-  const int even = highestBit(square) & ~1;  // square = m 2^even, m in [1, 4)
-  const std::uint32_t m_q8 = even >= 8 ? square >> (even - 8) : square << (8 - even);
-  const std::int32_t inverse = kInverseRoots[m_q8];
-  const int shift = 5 + even / 2;
-  return {x * inverse >> shift, y * inverse >> shift, z * inverse >> shift};
-}
 
 void DepthPatch::draw(const Camera& camera, Span<const Pixel> pixels, Vector centroid_um, std::int64_t d_um) {
   const std::int64_t z0_um = std::max<std::int64_t>(centroid_um.z, 1);

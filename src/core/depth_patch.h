@@ -66,10 +66,30 @@ class DepthPatch {
   std::size_t count_ = 0;
 };
 
-/// 1024 v / |v|, within a part in 500, for components up to 32,767; zero stays zero.
 struct Direction1024 {
   std::int32_t x, y, z;
 };
-Direction1024 normalised(std::int32_t x, std::int32_t y, std::int32_t z);
+
+// 2^15 / sqrt(i / 256) for i from 256 to 1023.
+constexpr std::array<std::uint16_t, 1024> makeInverseRoots() {
+  std::array<std::uint16_t, 1024> table{};
+  for (std::uint64_t i = 256; i < table.size(); ++i) {
+    table[i] = static_cast<std::uint16_t>(squareRoot((std::uint64_t{1} << 38) / i));
+  }
+  return table;
+}
+constexpr auto kInverseRoots = makeInverseRoots();
+
+/// 1024 v / |v|, within a part in 500, for components up to 32,767; zero stays zero.
+inline Direction1024 normalised(std::int32_t x, std::int32_t y, std::int32_t z) {
+  const std::uint32_t square =
+      static_cast<std::uint32_t>(x * x) + static_cast<std::uint32_t>(y * y) + static_cast<std::uint32_t>(z * z);
+  if (square == 0) return {0, 0, 0};
+  const int even = (31 - __builtin_clz(square)) & ~1;  // square = m 2^even, m in [1, 4)
+  const std::uint32_t m_q8 = even >= 8 ? square >> (even - 8) : square << (8 - even);
+  const std::int32_t inverse = kInverseRoots[m_q8];
+  const int shift = 5 + even / 2;
+  return {x * inverse >> shift, y * inverse >> shift, z * inverse >> shift};
+}
 
 }  // namespace voxid

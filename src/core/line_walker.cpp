@@ -24,7 +24,8 @@ constexpr std::uint32_t kPush = 1u << 14;
 // 2^26 / steps of a line with so many inner cells.
 constexpr std::array<std::uint32_t, VoxelGrid::kSide> makeReciprocals() {
   std::array<std::uint32_t, VoxelGrid::kSide> reciprocals{};
-  for (std::uint32_t inner = 0; inner < reciprocals.size(); ++inner) reciprocals[inner] = (1u << kFraction) / (inner + 1);
+  for (std::uint32_t inner = 0; inner < reciprocals.size(); ++inner)
+    reciprocals[inner] = (1u << kFraction) / (inner + 1);
   return reciprocals;
 }
 constexpr auto kReciprocals = makeReciprocals();

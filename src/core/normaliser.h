@@ -17,7 +17,7 @@ struct Vector {
 inline std::int64_t squaredNorm(Vector v) { return v.x * v.x + v.y * v.y + v.z * v.z; }
 
 /// floor(sqrt(n)), bit by bit from the highest that it can have.
-inline std::uint64_t squareRoot(std::uint64_t n) {
+constexpr std::uint64_t squareRoot(std::uint64_t n) {
   if (n == 0) return 0;
   std::uint64_t root = 0;
   for (std::uint64_t bit = std::uint64_t{1} << (63 - __builtin_clzll(n)) / 2; bit != 0; bit >>= 1) {
