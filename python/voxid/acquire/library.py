@@ -7,7 +7,12 @@ import json
 import os
 import pathlib
 
+import numpy as np
+
 from voxid.failure import CANNOT_DO, DAMAGED, Failure
+
+
+DESCRIBED = ".described.json"
 
 
 def checksum(path):
@@ -81,6 +86,24 @@ class Library:
         target = self.root / key
         target.parent.mkdir(parents=True, exist_ok=True)
         write_whole(target, mesh.read_bytes())
+
+    def described(self, category):
+        """SHA-256 -> the bins of models of a category that were described before, so that no run does it again."""
+        try:
+            texts = json.loads((self.root / category / DESCRIBED).read_text())
+            return {digest: np.frombuffer(bytes.fromhex(text), np.uint8).astype(np.int32) for digest, text in texts.items()}
+        except (OSError, ValueError, AttributeError, TypeError):
+            return {}  # made anew
+
+    def save_described(self, category, bins):
+        """Of what the library keeps; the rest is forgotten."""
+        kept = {note.get("sha256") for _, note in self.kept(category)}
+        texts = {digest: bins[digest].astype(np.uint8).tobytes().hex() for digest in sorted(kept & set(bins))
+                 if bins[digest] is not None}
+        target = self.root / category / DESCRIBED
+        text = json.dumps(texts, indent=0).encode()
+        if texts and not (target.exists() and target.read_bytes() == text):
+            write_whole(target, text)
 
     def save(self):
         text = json.dumps(self.notes, indent=1, sort_keys=True, ensure_ascii=False) + "\n"

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From sources to judged candidates: what is not settled in the library is fetched, judged and compared."""
+import collections
+import datetime
+import sys
+
+from voxid.acquire import judge
+from voxid.acquire.library import checksum
+from voxid.failure import Failure
+from voxid.acquire.web import Unreached
+
+FAILURES_IN_A_ROW = 3  # of one source, after which it is left alone
+
+# A candidate that has been fetched: `key` its place in the library, `mesh` the file, `digest` its SHA-256. What is not
+# `settled` (its source could not be reached) is tried again by the next run.
+Found = collections.namedtuple("Found", "key candidate mesh digest verdict settled")
+
+
+def say(sentence):
+    print(f"voxid: {' '.join(str(sentence).split())}", file=sys.stderr, flush=True)
+
+
+class Gatherer:
+    """`program` is the voxid to judge with; meshes are put into `folder`."""
+
+    def __init__(self, program, library, category, folder, limit_bytes):
+        self._program, self._library, self._category = program, library, category
+        self._folder, self._limit_bytes = folder, limit_bytes
+        self.broken = []  # sentences of sources that ended early
+
+    def gather(self, sources, queries, synsets, most):
+        """At most so many candidates, of all sources in turn, each judged."""
+        seen = {key.rsplit(".", 1)[0] for key, _ in self._library.models(self._category)}
+        found = []
+        for where in sources:
+            try:
+                for one in self._of(where, queries, synsets, seen):
+                    if len(found) == most:
+                        return found
+                    found.append(one)
+            except (Failure, OSError) as failure:
+                self.broken.append(f"{where.name}: {failure}")
+                say(self.broken[-1])
+        return found
+
+    def _of(self, where, queries, synsets, seen):
+        in_a_row = 0
+        for candidate in where.search(queries, synsets):
+            key = f"{self._category}/{where.name}_{candidate.id}"
+            if key in seen:
+                continue
+            seen.add(key)
+            one = self._fetch_and_judge(where, candidate, f"{key}.{candidate.format}")
+            yield one
+            in_a_row = 0 if one.settled else in_a_row + 1
+            if in_a_row == FAILURES_IN_A_ROW:
+                raise Failure(f"given up after {in_a_row} failures in a row; the last: {one.verdict.reason}")
+
+    def _fetch_and_judge(self, where, candidate, key):
+        mesh = self._folder / f"{len(list(self._folder.iterdir()))}.{candidate.format}"
+        try:
+            where.fetch(candidate, mesh, self._limit_bytes)
+        except (Failure, OSError) as failure:
+            verdict = judge.Verdict(" ".join(str(failure).split()), 0, None, None)
+            return Found(key, candidate, None, "", verdict, not isinstance(failure, Unreached))
+        return Found(key, candidate, mesh, checksum(mesh), judge.judge(self._program, mesh), True)
+
+    def _known(self):
+        """(key, bins) of the library's models; each is described once, for good."""
+        described = self._library.described(self._category)
+        known = []
+        for key, note in self._library.kept(self._category):
+            digest = note.get("sha256") or checksum(self._library.root / key)
+            if digest not in described:
+                described[digest] = judge.judge(self._program, self._library.root / key).bins
+            if described[digest] is not None:
+                known.append((key, described[digest]))
+        return known, described
+
+    def without_duplicates(self, found):
+        """Drops what has the shape or the bytes of an earlier one, or of one that the library has already. Also the bins of
+        what is in the library, and of all by SHA-256."""
+        known, described = self._known() if found else ([], {})
+        old = [bins for _, bins in known]
+        digests = {note.get("sha256"): key for key, note in self._library.kept(self._category)}
+        result = []
+        for one in found:
+            if not one.verdict.reason:
+                twin = digests.get(one.digest) or judge.duplicate_of(one.verdict.bins, known)
+                if twin:
+                    one = one._replace(verdict=one.verdict._replace(reason=f"the same shape as {twin}"))
+                else:
+                    known.append((one.key, one.verdict.bins))
+                    digests[one.digest] = one.key
+                    described[one.digest] = one.verdict.bins
+            result.append(one)
+        return result, old, described
+
+
+def ranked(found, old):
+    """(strangeness, found) of those that pass, the most usual first; then those dropped."""
+    passed = [one for one in found if not one.verdict.reason]
+    strange = judge.strangeness(old + [one.verdict.bins for one in passed])[len(old):]
+    by_strangeness = sorted(zip(strange, passed), key=lambda pair: (pair[0], pair[1].key))
+    return by_strangeness, [one for one in found if one.verdict.reason]
+
+
+def note_of(one, verdict):
+    """What library.json keeps of a candidate."""
+    candidate = one.candidate
+    note = {"title": candidate.title, "source": candidate.source, "url": candidate.url, "licence": candidate.licence,
+            "author": candidate.author, "word": candidate.word.word, "sha256": one.digest, "verdict": verdict,
+            "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d")}
+    return {field: value for field, value in note.items() if value}
