@@ -2,13 +2,15 @@
 """From sources to judged candidates: what is not settled in the library is fetched, judged and compared."""
 import collections
 import datetime
+import errno
 import sys
 
 from voxid.acquire import judge
 from voxid.acquire.library import checksum
-from voxid.failure import Failure
 from voxid.acquire.web import Unreached
+from voxid.failure import Failure
 
+NO_ROOM = (errno.ENOSPC, errno.EFBIG, errno.EDQUOT, errno.EROFS)  # nobody's fault but ours: everything ends
 FAILURES_IN_A_ROW = 3  # of one source, after which it is left alone
 
 # A candidate that has been fetched: `key` its place in the library, `mesh` the file, `digest` its SHA-256. What is not
@@ -39,6 +41,7 @@ class Gatherer:
                         return found
                     found.append(one)
             except (Failure, OSError) as failure:
+                self._unless_no_room(failure)
                 self.broken.append(f"{where.name}: {failure}")
                 say(self.broken[-1])
         return found
@@ -61,9 +64,15 @@ class Gatherer:
         try:
             where.fetch(candidate, mesh, self._limit_bytes)
         except (Failure, OSError) as failure:
+            self._unless_no_room(failure)
             verdict = judge.Verdict(" ".join(str(failure).split()), 0, None, None)
-            return Found(key, candidate, None, "", verdict, not isinstance(failure, Unreached))
+            return Found(key, candidate, None, "", verdict, not isinstance(failure, (Unreached, OSError)))
         return Found(key, candidate, mesh, checksum(mesh), judge.judge(self._program, mesh), True)
+
+    @staticmethod
+    def _unless_no_room(failure):
+        if isinstance(failure, OSError) and failure.errno in NO_ROOM:
+            raise failure
 
     def _known(self):
         """(key, bins) of the library's models; each is described once, for good."""

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Is a file a model worth keeping? Each is read in a process of its own, with limits: a mesh that crashes the reader costs itself."""
 import collections
+import errno
 import json
+import os
 import pathlib
 import resource
 import signal
@@ -62,6 +64,8 @@ def shaded(depth_mm, size_px=160):
 def _thumbnail(program, mesh):
     with tempfile.TemporaryDirectory(prefix="voxid-view-") as folder:
         _, reason = _run(program, "render", mesh, "--view", 7, "--clean", "--out", folder)
+        if reason.startswith("cannot write"):  # says nothing of the mesh
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), folder)
         images = list(pathlib.Path(folder).glob("*.png"))
         if reason or not images:
             return None, reason or "shows nothing"

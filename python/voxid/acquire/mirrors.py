@@ -4,6 +4,7 @@ import gzip
 import json
 import pathlib
 import shutil
+import zlib
 
 from voxid.acquire import source
 from voxid.failure import DAMAGED, Failure
@@ -22,8 +23,15 @@ def read_json(path):
         opened = gzip.open(path, "rt") if path.suffix == ".gz" else open(path)
         with opened as file:
             return json.load(file)
-    except (ValueError, EOFError, gzip.BadGzipFile) as error:
+    except (ValueError, EOFError, RecursionError, zlib.error, gzip.BadGzipFile) as error:
         raise Failure(f"{path} is no JSON: {error}", DAMAGED) from None
+
+
+def read_object(path):
+    value = read_json(path)
+    if not isinstance(value, dict):
+        raise Failure(f"{path} is no JSON object", DAMAGED)
+    return value
 
 
 class OnDisk(source.Source):
@@ -79,9 +87,11 @@ class ShapeNet(OnDisk):
         """Also what the taxonomy files below a wanted synset: its own names, by its own tree."""
         taxonomy = read_json(self._root / "taxonomy.json")
         try:
-            children = {node["synsetId"]: node.get("children", []) for node in taxonomy}
+            if not isinstance(taxonomy, list):
+                raise TypeError
+            children = {node["synsetId"]: [str(child) for child in node.get("children", [])] for node in taxonomy}
             names = {node["synsetId"]: node.get("name", "").split(",")[0] for node in taxonomy}
-        except (TypeError, KeyError):
+        except (TypeError, KeyError, AttributeError):
             raise Failure(f"{self._root}/taxonomy.json is not a list of nodes with synsetId", DAMAGED) from None
         found, waiting = {}, list(wanted)
         while waiting:
@@ -98,17 +108,22 @@ class Objaverse(OnDisk):
     name = "objaverse"
 
     def search(self, queries, synsets):
-        paths = read_json(next(p for p in (self._root / "object-paths.json", self._root / "object-paths.json.gz") if p.exists()))
+        paths = read_object(next(p for p in (self._root / "object-paths.json", self._root / "object-paths.json.gz") if p.exists()))
         root = self._root.resolve()
         for file in sorted((self._root / "metadata").glob("*.json*")):
-            for uid, about in sorted(read_json(file).items()):
-                query = source.query_for(about.get("name", ""), queries)
+            for uid, about in sorted(read_object(file).items()):
+                if not isinstance(about, dict) or not isinstance(about.get("name"), str):
+                    continue
+                query = source.query_for(about["name"], queries)
                 path = self._root / str(paths.get(uid, ""))
-                inside = root in path.resolve().parents
-                if query is not None and inside and path.is_file():
-                    user = about.get("user") or {}
-                    yield self.candidate(path, uid, about["name"], query, licence=about.get("license") or "",
-                                         author=user.get("displayName") or user.get("username") or "", url=about.get("viewerUrl") or "")
+                if query is not None and root in path.resolve().parents and path.is_file():
+                    yield self.candidate(path, uid, about["name"], query, **self._origin(about))
+
+    @staticmethod
+    def _origin(about):
+        user = about["user"] if isinstance(about.get("user"), dict) else {}
+        texts = {"licence": about.get("license"), "author": user.get("displayName") or user.get("username"), "url": about.get("viewerUrl")}
+        return {field: text if isinstance(text, str) else "" for field, text in texts.items()}
 
 
 def open_folder(root):

@@ -4,11 +4,14 @@ import collections
 import pathlib
 import re
 import zipfile
+import zlib
 
 from voxid.acquire import source
+from voxid.acquire.archive import Archive
 from voxid.failure import Failure
 
 FURNITURE = pathlib.Path("/usr/share/sweethome3d/furniture")
+MOST_PROPERTIES_BYTES = 16 << 20
 PACKAGE = "Debian package sweethome3d-furniture"
 # The catalogues' licence texts begin with these words; /usr/share/doc/sweethome3d-furniture/copyright says the same.
 LICENCES = {
@@ -40,7 +43,10 @@ def model_id(member):
 
 
 def models_of(archive):
-    catalogue = read_properties(archive.read("PluginFurnitureCatalog.properties").decode("latin-1"))
+    listed = archive.getinfo("PluginFurnitureCatalog.properties")
+    if listed.file_size > MOST_PROPERTIES_BYTES:
+        raise ValueError(f"its list has more than {MOST_PROPERTIES_BYTES} bytes")
+    catalogue = read_properties(archive.read(listed).decode("latin-1"))
     licence, url = licence_of(catalogue)
     for key in catalogue:
         if not key.startswith("model#"):
@@ -78,12 +84,10 @@ class Catalogues(source.Source):
                     yield source.Candidate(f"{PACKAGE}, catalogue {model.catalogue}", model.id, model.name, format_,
                                            archive.getinfo(model.member).file_size, model.licence, model.author,
                                            model.licence_url, query, (path, model.member))
-        except (zipfile.BadZipFile, KeyError, ValueError) as error:
+        except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, KeyError, ValueError) as error:
             raise Failure(f"{path} is no Sweet Home 3D catalogue: {error}") from None
 
     def fetch(self, candidate, target, limit_bytes):
         path, member = candidate.place
-        with zipfile.ZipFile(path) as archive:
-            if archive.getinfo(member).file_size > limit_bytes:
-                raise Failure(f"{member} has more than {limit_bytes} bytes")
+        with Archive(path, limit_bytes) as archive:
             target.write_bytes(archive.read(member))
