@@ -36,6 +36,7 @@ Json categoriesOf(const Index& index) {
     Json entry;
     entry["name"] = std::string(index.string(category.name));
     entry["synset"] = category.synset;
+    entry["sense"] = std::string(index.senseOf(static_cast<std::uint32_t>(list.size())));
     entry["models"] = category.models;
     list.push_back(entry);
   }

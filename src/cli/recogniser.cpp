@@ -6,9 +6,15 @@ namespace {
 
 double shareOf(int permille) { return permille / 1000.0; }
 
+std::uint32_t synsetOf(const Index& index, std::uint32_t category) {
+  return category < index.categories().size ? index.categories()[category].synset : 0;
+}
+
 Json jsonOf(const Index& index, const Alternative& alternative) {
   Json json;
   json["label"] = std::string(index.categoryName(alternative.category));
+  json["synset"] = synsetOf(index, alternative.category);
+  json["sense"] = std::string(index.senseOf(alternative.category));
   json["score"] = shareOf(alternative.score_permille);
   json["distance"] = alternative.distance;
   return json;

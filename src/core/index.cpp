@@ -147,6 +147,11 @@ class Locator {
     return found;
   }
 
+  bool has(const char* tag) const {
+    return std::any_of(sections_.begin(), sections_.end(),
+                       [tag](const format::Section& s) { return std::memcmp(s.tag, tag, sizeof s.tag) == 0; });
+  }
+
   const std::string& complaint() const { return complaint_; }
 
  private:
@@ -201,6 +206,7 @@ Status Index::locate() {
   bucket_views_ = find.exactly<std::uint32_t>("BKTV", h.views);
   strings_ = find.any<char>("STRS");
   calibration_ = find.exactly<format::Calibration>("CALB", 1).data;
+  if (find.has("SYNS")) senses_ = find.exactly<std::uint32_t>("SYNS", h.categories);
   if (!find.complaint().empty()) return damaged(path_, find.complaint());
   if (strings_.empty() || strings_[0] != 0 || strings_[strings_.size - 1] != 0) {
     return damaged(path_, "section STRS does not begin and end with a NUL");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cstring>
 #include <string>
 
 #include "voxid/core/crc32c.h"
@@ -56,6 +57,17 @@ bool ascends(const Index& index, std::uint32_t name, std::string_view previous) 
 
 bool stringExists(const Index& index, std::uint32_t offset) { return offset == 0 || !index.string(offset).empty(); }
 
+// A section SYNS has a text for the offset that it names.
+bool senseIsSound(const Index& index, std::uint32_t category) {
+  for (const format::Section& section : index.sections()) {
+    if (tagOf(section) != "SYNS") continue;
+    std::uint32_t offset = 0;
+    std::memcpy(&offset, index.file().data + section.offset + category * sizeof offset, sizeof offset);
+    return offset == 0 || !index.senseOf(category).empty();
+  }
+  return true;
+}
+
 Fault checkCategories(const Index& index) {
   std::string_view previous;
   std::uint64_t next_model = 0;
@@ -63,6 +75,7 @@ Fault checkCategories(const Index& index) {
     const format::Category& category = index.categories()[i];
     if (!ascends(index, category.name, previous)) return at("names do not ascend at category", i);
     if (category.first_model != next_model || category.models == 0) return at("wrong models in category", i);
+    if (!senseIsSound(index, i)) return at("wrong sense of category", i);
     previous = index.string(category.name);
     next_model += category.models;
   }

@@ -97,6 +97,7 @@ class Builder {
     model.licence = file.licence;
     model.origin = file.origin;
     model.synset = file.synset;
+    model.sense = file.sense;
     model.views = std::move(shard.value.views);
     if (options_.profile.projection) shrinkToMean(codesIn(model.views), options_.profile.codeBytes());
     report_.views += static_cast<int>(model.views.size());

@@ -27,15 +27,20 @@ bool sameDirections(const IndexContent& a, const IndexContent& b) {
          std::memcmp(a.directions.data(), b.directions.data(), a.directions.size() * sizeof(format::Direction)) == 0;
 }
 
+struct Synset {
+  std::uint32_t offset = 0;
+  std::string sense;
+};
 /// Each category's synset, where it has one.
-using Synsets = std::map<std::string, std::uint32_t>;
+using Synsets = std::map<std::string, Synset>;
 
 Status addSynsets(Synsets& synsets, const IndexContent& content) {
   for (const ModelRecord& model : content.models) {
     if (model.synset == 0) continue;
-    const std::uint32_t known = synsets.emplace(model.category, model.synset).first->second;
-    if (known != model.synset) {
-      return Status::cannotDo("category " + model.category + " has the synsets " + std::to_string(known) + " and " +
+    Synset& known = synsets.emplace(model.category, Synset{model.synset, model.sense}).first->second;
+    if (known.sense.empty()) known.sense = model.sense;
+    if (known.offset != model.synset) {
+      return Status::cannotDo("category " + model.category + " has the synsets " + std::to_string(known.offset) + " and " +
                               std::to_string(model.synset) + "; give one of the two another name");
     }
   }
@@ -105,7 +110,9 @@ Status mergeInto(IndexContent& content, const IndexContent& other, Clash clash) 
   content.models.insert(content.models.end(), other.models.begin(), other.models.end());
   for (ModelRecord& model : content.models) {
     const auto known = synsets.find(model.category);
-    model.synset = known == synsets.end() ? 0 : known->second;
+    const Synset synset = known == synsets.end() ? Synset{} : known->second;
+    model.synset = synset.offset;
+    model.sense = synset.sense;
   }
   if (other.calibration.samples > content.calibration.samples) content.calibration = other.calibration;
   return {};

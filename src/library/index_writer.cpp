@@ -23,9 +23,12 @@ constexpr std::uint64_t kMaxEntries = 0xfffffffe;
 
 /// In the order in which they are written.
 using Tags = std::vector<const char*>;
-Tags tagsOf(const Profile& profile) {
-  if (profile.projection) return {"PARM", "CATS", "MODL", "DIRS", "VIE4", "PROJ", "CODE", "KEYS", "BKTO", "BKTV", "STRS", "CALB"};
-  return {"PARM", "CATS", "MODL", "DIRS", "VIEW", "CODE", "KEYS", "BKTO", "BKTV", "STRS", "CALB"};
+Tags tagsOf(const Profile& profile, bool senses) {
+  Tags tags{"PARM", "CATS", "MODL", "DIRS", "VIEW", "CODE", "KEYS", "BKTO", "BKTV", "STRS", "CALB"};
+  if (profile.projection)
+    tags = {"PARM", "CATS", "MODL", "DIRS", "VIE4", "PROJ", "CODE", "KEYS", "BKTO", "BKTV", "STRS", "CALB"};
+  if (senses) tags.push_back("SYNS");
+  return tags;
 }
 
 using Models = std::vector<const ModelRecord*>;
@@ -57,11 +60,12 @@ std::string faultOfViews(const ModelRecord& model, std::size_t directions, std::
 
 std::string faultOfModel(const ModelRecord& model, const ModelRecord* before, std::size_t directions, std::size_t code_bytes) {
   if (model.category.empty() || model.name.empty()) return "has an empty category or name";
-  if (hasNul(model.category) || hasNul(model.name) || hasNul(model.licence) || hasNul(model.origin)) {
+  if (hasNul(model.category) || hasNul(model.name) || hasNul(model.licence) || hasNul(model.origin) || hasNul(model.sense)) {
     return "has a NUL in a text";
   }
   if (before != nullptr && before->category == model.category) {
     if (before->name == model.name) return "is there twice";
+    if (before->sense != model.sense) return "has another sense than the rest of its category";
     if (before->synset != model.synset) return "has another synset than the rest of its category";
   }
   return faultOfViews(model, directions, code_bytes);
@@ -109,6 +113,7 @@ struct Tables {
   std::vector<format::Model> models;
   std::vector<Key> keys;
   std::vector<std::uint32_t> bucket_offsets, bucket_views;
+  std::vector<std::uint32_t> senses;  // empty if no category has one
   Strings strings;
   std::uint32_t views = 0;
 };
@@ -147,6 +152,14 @@ void addBuckets(Tables& tables, const Models& models, const Profile& profile) {
   tables.bucket_offsets.push_back(tables.views);
 }
 
+// Behind all other texts: what has no senses keeps its bytes.
+void addSenses(Tables& tables, const Models& models) {
+  if (std::all_of(models.begin(), models.end(), [](const ModelRecord* model) { return model->sense.empty(); })) return;
+  for (const format::Category& category : tables.categories) {
+    tables.senses.push_back(tables.strings.add(models[category.first_model]->sense));
+  }
+}
+
 Tables tablesOf(const Models& models, const Profile& profile) {
   Tables tables;
   const ModelRecord* before = nullptr;
@@ -155,6 +168,7 @@ Tables tablesOf(const Models& models, const Profile& profile) {
     before = model;
   }
   addBuckets(tables, models, profile);
+  addSenses(tables, models);
   return tables;
 }
 
@@ -332,6 +346,7 @@ format::Header headerOf(const IndexContent& content, const Tables& tables, const
   std::copy(std::begin(format::kMagic), std::end(format::kMagic), header.magic);
   header.major = format::kMajor;
   header.minor = content.profile.projection ? format::kMinor : std::uint16_t{0};
+  if (!tables.senses.empty()) header.minor = std::max(header.minor, format::kMinorSenses);
   header.header_bytes = sizeof header;
   header.categories = static_cast<std::uint32_t>(tables.categories.size());
   header.models = static_cast<std::uint32_t>(tables.models.size());
@@ -346,7 +361,7 @@ void writeSections(FileBeside& file, const IndexContent& content, const Models& 
   const format::Parameters parameters = parametersOf(content.profile);
   format::Calibration calibration = content.calibration;
   std::fill(std::begin(calibration.zero), std::end(calibration.zero), std::uint8_t{0});
-  SectionWriter out(file, tagsOf(content.profile));
+  SectionWriter out(file, tagsOf(content.profile, !tables.senses.empty()));
   out.section(&parameters, sizeof parameters);
   out.section(tables.categories);
   out.section(tables.models);
@@ -363,6 +378,7 @@ void writeSections(FileBeside& file, const IndexContent& content, const Models& 
   out.section(tables.bucket_views);
   out.section(tables.strings.bytes().data(), tables.strings.bytes().size());
   out.section(&calibration, sizeof calibration);
+  if (!tables.senses.empty()) out.section(tables.senses);
   out.finish(headerOf(content, tables, parameters));
 }
 
@@ -381,7 +397,7 @@ ModelRecord modelRecord(const Index& index, const format::Model& model) {
   const format::Category& category = index.categories()[model.category];
   const auto text = [&](std::uint32_t offset) { return std::string(index.string(offset)); };
   ModelRecord record{text(category.name), text(model.name), text(model.licence),
-                     text(model.origin),  category.synset,  {}};
+                     text(model.origin),  category.synset,  {}, std::string(index.senseOf(model.category))};
   record.views.reserve(model.views);
   for (std::uint32_t i = 0; i < model.views; ++i) record.views.push_back(viewRecord(index, model.first_view + i));
   return record;

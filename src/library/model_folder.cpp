@@ -79,7 +79,10 @@ void apply(const json& note, ModelFile& model) {
   const std::string licence = textOf(note, "licence"), origin = originOf(note);
   if (!licence.empty()) model.licence = licence;
   if (!origin.empty()) model.origin = origin;
-  if (const std::uint32_t synset = synsetOf(note)) model.synset = synset;
+  if (const std::uint32_t synset = synsetOf(note)) {
+    model.synset = synset;
+    model.sense = textOf(note, "sense");
+  }
 }
 
 Status readNotes(const fs::path& root, ModelFolder& folder) {
@@ -104,7 +107,11 @@ void shareSynsets(ModelFolder& folder) {
     const auto last = std::find_if(first, folder.models.end(), [&](const ModelFile& m) { return m.category != first->category; });
     const auto named = std::find_if(first, last, [](const ModelFile& m) { return m.synset != 0; });
     const std::uint32_t synset = named == last ? 0 : named->synset;
-    for (; first != last; ++first) first->synset = synset;
+    const std::string sense = named == last ? std::string() : named->sense;
+    for (; first != last; ++first) {
+      first->synset = synset;
+      first->sense = sense;
+    }
   }
 }
 

@@ -16,6 +16,7 @@ struct ModelFile {
   std::string path;
   std::string licence, origin;
   std::uint32_t synset = 0;
+  std::string sense;  ///< of the category: the synset's name in NLTK's form
   std::string clash;  ///< not empty: another file of this name was there before
 };
 

@@ -109,7 +109,8 @@ def test_a_folder_is_judged_once_and_built(voxid, meshes, tmp_path):
     assert (library / "library.json").read_bytes() == before
     index = tmp_path / "a.vxi"
     assert voxid("build", "--models", library, "--out", index, "--views-every", 16).code == 0
-    assert voxid("info", index, "--json", "--categories").json["category_list"] == [{"name": "mug", "synset": 3797390, "models": 2}]
+    assert voxid("info", index, "--json", "--categories").json["category_list"] == [
+        {"name": "mug", "synset": 3797390, "sense": "mug.n.04", "models": 2}]
     voxid("acquire", "mug", "--sense", 1, "--source", meshes, "--out", library, "--yes").refuses(2, "03797390")
 
 

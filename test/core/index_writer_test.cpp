@@ -87,6 +87,36 @@ TEST(WriteIndex, WritingWhatWasReadGivesTheSameBytes) {
   EXPECT_TRUE(bytesOf(content.value) == readBytes(index->path()));
 }
 
+IndexContent withSense(IndexContent content, const std::string& category, const std::string& sense) {
+  for (ModelRecord& model : content.models) {
+    if (model.category == category) model.sense = sense;
+  }
+  return content;
+}
+
+TEST(WriteIndex, SensesComeBackAndLeaveTheOtherSectionsAlone) {
+  Folder folder;
+  const std::string plain = folder.file("plain.vxi"), named = folder.file("named.vxi");
+  const IndexContent content = test::randomContent(3, 2, 2, 5);
+  ASSERT_TRUE(writeIndex(content, plain).ok());
+  ASSERT_TRUE(writeIndex(withSense(content, "c101", "mug.n.04"), named).ok());
+  const auto before = Index::open(plain).value, after = Index::open(named).value;
+  ASSERT_TRUE(before && after);
+  EXPECT_EQ(after->verify().sentence, "");
+  EXPECT_EQ(before->header().minor, 0);
+  EXPECT_EQ(after->header().minor, format::kMinorSenses);
+  EXPECT_EQ(before->sections().size + 1, after->sections().size);
+  EXPECT_EQ(before->senseOf(1), "");
+  EXPECT_EQ(after->senseOf(0), "");
+  EXPECT_EQ(after->senseOf(1), "mug.n.04");
+  EXPECT_EQ(after->senseOf(99), "");
+  for (std::size_t i = 0; i < before->sections().size; ++i) {
+    const std::string tag(before->sections()[i].tag, 4);
+    EXPECT_EQ(before->sections()[i].crc32c == after->sections()[i].crc32c, tag != "STRS") << tag;
+  }
+  EXPECT_EQ(bytesOf(readContent(*after).value), readBytes(named));
+}
+
 TEST(WriteIndex, ReplacesWhatIsThereAndReadersKeepTheOldFile) {
   Folder folder;
   const std::string path = folder.file("x.vxi");
@@ -122,6 +152,7 @@ TEST(WriteIndex, RefusesWhatAReaderCouldNotRelyOn) {
   expectRefused(spoilt([](IndexContent& c) { c.models[1].views.clear(); }), "has no view");
   expectRefused(spoilt([](IndexContent& c) { c.models.push_back(c.models[0]); }), "twice");
   expectRefused(spoilt([](IndexContent& c) { c.models[0].synset = 7; }), "synset");
+  expectRefused(spoilt([](IndexContent& c) { c.models[0].sense = "mug.n.04"; }), "sense");
   expectRefused(spoilt([](IndexContent& c) { c.models[0].name.clear(); }), "empty category or name");
   expectRefused(spoilt([](IndexContent& c) { c.models[0].category.clear(); }), "empty category or name");
   expectRefused(spoilt([](IndexContent& c) { c.models[0].origin = std::string("a\0b", 3); }), "NUL");

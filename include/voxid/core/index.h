@@ -65,6 +65,10 @@ class Index {
   std::string_view categoryName(std::uint32_t category) const {
     return category < categories_.size ? string(categories_[category].name) : std::string_view();
   }
+  /// The category's synset as NLTK names it ("mug.n.04"); empty if not known, or for a number that the index does not have.
+  std::string_view senseOf(std::uint32_t category) const {
+    return category < senses_.size ? string(senses_[category]) : std::string_view();
+  }
   std::string_view modelName(std::uint32_t model) const {
     return model < models_.size ? string(models_[model].name) : std::string_view();
   }
@@ -98,6 +102,7 @@ class Index {
   Span<const Key> keys_;
   Span<const std::uint32_t> bucket_offsets_, bucket_views_;
   Span<const char> strings_;
+  Span<const std::uint32_t> senses_;  // empty, or one a category
 };
 
 /// What the descriptor's settings look like in a file; a query made with others is refused.

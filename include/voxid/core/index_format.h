@@ -10,6 +10,7 @@ namespace voxid::format {
 constexpr char kMagic[8] = {'V', 'O', 'X', 'I', 'D', 'X', '\r', '\n'};  ///< a copy in text mode breaks it
 constexpr std::uint16_t kMajor = 1;                                     ///< a reader refuses any other
 constexpr std::uint16_t kMinor = 1;                                     ///< 1 in files of profile "default", 0 in "paper"
+constexpr std::uint16_t kMinorSenses = 2;                               ///< of files with SYNS, at least
 constexpr std::uint64_t kAlignment = 64;
 constexpr std::uint32_t kMaxSections = 64;
 
@@ -115,5 +116,8 @@ struct Calibration {
   std::uint8_t zero[60];
 };
 static_assert(sizeof(Calibration) == 128, "CALB is 128 bytes");
+
+/// SYNS, once, or not at all (no category has a sense, or made before format 1.2): 4 bytes a category, in the order of
+/// CATS: offset into STRS of the synset's name as NLTK writes it ("mug.n.04"), 0 = not known.
 
 }  // namespace voxid::format
