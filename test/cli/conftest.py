@@ -4,6 +4,7 @@ import json
 import os
 import pathlib
 import subprocess
+import sys
 
 import cv2
 import numpy as np
@@ -12,6 +13,8 @@ import pytest
 import solids
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+# The compiled part of the Python module; found also by tests that put the sources first.
+sys.path.append(str(ROOT / os.environ.get("VOXID_BUILD", "build") / "python"))
 QUERIES = [("tin", "tin_a", 17), ("tin", "tin_a", 40), ("cone", "cone_a", 3), ("rod", "rod_a", 5), ("board", "board_a", 64)]
 
 

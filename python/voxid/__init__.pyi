@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""numpy in and out; nothing is copied that need not be. The global lock is released while something is computed, so
+threads run beside one another. ValueError: a wrong argument. OSError: a file that cannot be read, or is damaged."""
+import os
+from typing import List, Optional, Sequence, Tuple, Union, overload
+
+import numpy as np
+import numpy.typing as npt
+
+Camera = Tuple[float, float, float, float]
+"""fx, fy, cx, cy in pixels; the centre of the first pixel is 0, 0."""
+Mesh = Union[str, Tuple[npt.ArrayLike, npt.ArrayLike]]
+"""A file of a format that `voxid build` reads, or vertices (n, 3) and triangles (m, 3)."""
+
+@overload
+def describe(points: npt.NDArray, *, pairs: int = 10000, seed: int = 1) -> npt.NDArray[np.uint8]:
+    """The paper's 416 bins of points (n, 3): metres, or micrometres if int32 (then without a copy)."""
+@overload
+def describe(depth: Union[npt.NDArray[np.uint16], npt.NDArray[np.float32]], mask: Optional[npt.NDArray[np.bool_]],
+             camera: Camera) -> npt.NDArray[np.int8]:
+    """The 64 bytes of descriptor `default`, by the shipped projection, of an object in a depth image (rows, columns):
+    uint16 millimetres, 0 = none, or float32 metres. `mask` says which pixels are the object; None: all with depth."""
+
+def render(mesh: Mesh, view: int = 0, *, clean: bool = False, seed: int = 1) -> Tuple[npt.NDArray[np.uint16], Camera]:
+    """A depth image in millimetres (480 x 640) of a mesh from one of the 80 directions, and its camera. Size, distance,
+    roll and noise follow from `seed`, as in `voxid render --seed`; `clean`: without noise. A file is read in a child process."""
+
+class Index:
+    """A .vxi file, mapped; its searches may be asked by several threads at once."""
+
+    @staticmethod
+    def open(path: str) -> "Index": ...
+    def describe(self, depth: Union[npt.NDArray[np.uint16], npt.NDArray[np.float32]], mask: Optional[npt.NDArray[np.bool_]],
+                 camera: Camera) -> npt.NDArray:
+        """The code that this index is asked with: int8 in `default`, the 416 bins as uint8 in `paper`."""
+    def nearest(self, code: npt.NDArray, count: int = 20, *, exact: bool = True,
+                lists: int = 32) -> Tuple[npt.NDArray[np.uint32], npt.NDArray[np.uint32]]:
+        """Numbers of the nearest views, nearest first, and their distances. `count`: 1 to 20. `exact=False`: only the
+        nearest `lists` lists of `default`, or the paper's buckets, are compared."""
+    def place_of(self, view: int) -> Tuple[int, int, int]:
+        """Category and model of a view, as numbers into `categories` and `models`, and its direction (0 to 79)."""
+    @property
+    def codes(self) -> npt.NDArray:
+        """All codes, a row a view: the mapped file itself, read-only."""
+    @property
+    def categories(self) -> List[str]: ...
+    @property
+    def models(self) -> List[str]: ...
+    def __len__(self) -> int:
+        """Number of views."""

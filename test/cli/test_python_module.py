@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The Python module: the same answers as the command line, numpy in and out, beside other threads."""
+import ast
+import os
+import pathlib
+import subprocess
+import threading
+import time
+
+import cv2
+import numpy as np
+import pytest
+
+import solids
+
+voxid_module = pytest.importorskip("voxid")
+try:
+    voxid_module.Index
+except ImportError as error:
+    pytest.skip(str(error), allow_module_level=True)
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+CAMERA = (525.0, 525.0, 319.5, 239.5)
+
+
+@pytest.fixture(scope="module")
+def image(views):
+    return cv2.imread(str(views("tin", "tin_a", 17)), cv2.IMREAD_UNCHANGED)
+
+
+def test_points_get_the_bins_of_the_command_line(voxid, tmp_path):
+    points = np.random.default_rng(3).uniform(-0.2, 0.2, (500, 3)).round(6)
+    file = tmp_path / "points.xyz"
+    np.savetxt(file, points, fmt="%.6f")
+    expected = voxid("describe", file, "--json").json["bins"]
+    bins = voxid_module.describe(points)
+    assert bins.dtype == np.uint8 and bins.tolist() == expected
+    assert voxid_module.describe((points * 1e6).round().astype(np.int32)).tolist() == expected
+    assert voxid_module.describe(np.vstack([points, [[np.nan, 0, 0]]])).tolist() == expected
+    assert voxid_module.describe(points, pairs=5000).tolist() != expected
+
+
+def test_a_mesh_is_drawn_as_the_command_line_draws_it(voxid, models, image):
+    depth, camera = voxid_module.render(str(models / "tin/tin_a.ply"), 17)
+    assert camera == CAMERA and depth.dtype == np.uint16
+    assert np.array_equal(depth, image)
+    vertices, triangles = solids.turned([(0.0, 0.0), (0.4, 0.0), (0.4, 1.0), (0.0, 1.0)])
+    clean, _ = voxid_module.render((vertices, triangles), 17, clean=True)
+    assert (clean > 0).sum() > (depth > 0).sum() > 1000
+
+
+def test_the_nearest_views_are_those_that_numpy_finds(index, image):
+    opened = voxid_module.Index.open(str(index))
+    code = voxid_module.describe(image, None, CAMERA)
+    assert code.dtype == np.int8 and np.array_equal(code, opened.describe(image, image > 0, CAMERA))
+    views, distances = opened.nearest(code, 5)
+    expected = ((opened.codes.astype(np.int64) - code) ** 2).sum(axis=1)
+    order = np.lexsort((np.arange(len(opened)), expected))[:5]
+    assert views.tolist() == order.tolist() and distances.tolist() == expected[order].tolist()
+    category, model, direction = opened.place_of(views[0])
+    assert (opened.categories[category], opened.models[model]) == ("tin", "tin_a") and 0 <= direction < 80
+    assert not opened.codes.flags.writeable
+    codes = opened.codes
+    del opened
+    assert codes[views[0]].any()  # the file stays mapped as long as somebody looks at it
+
+
+def test_metres_and_cut_out_images_give_the_same_code(image):
+    expected = voxid_module.describe(image, None, CAMERA)
+    metres = np.where(image > 0, image / np.float32(1000), np.float32(np.nan)).astype(np.float32)
+    assert np.array_equal(voxid_module.describe(metres, None, CAMERA), expected)
+    wide = np.zeros((image.shape[0], image.shape[1] + 40), np.uint16)
+    wide[:, 20:-20] = image
+    assert np.array_equal(voxid_module.describe(wide[:, 20:-20], None, CAMERA), expected)  # rows with gaps: no copy
+    assert np.array_equal(voxid_module.describe(np.asfortranarray(image), None, CAMERA), expected)
+
+
+def test_a_paper_index_is_asked_with_bins(paper_index, image):
+    opened = voxid_module.Index.open(str(paper_index))
+    code = opened.describe(image, None, CAMERA)
+    assert code.dtype == np.uint8 and code.shape == (416,)
+    views, distances = opened.nearest(code, 1)
+    assert distances[0] == np.abs(opened.codes.astype(int) - code).sum(axis=1).min()
+
+
+@pytest.mark.parametrize("call", [
+    lambda m, i: m.describe(np.zeros((3, 2))),
+    lambda m, i: m.describe(np.zeros((5, 3))),
+    lambda m, i: m.describe(np.zeros((0, 3))),
+    lambda m, i: m.describe(i, i[:5] > 0, CAMERA),
+    lambda m, i: m.describe(i, None, (0, 0, 0, 0)),
+    lambda m, i: m.describe(i * 0, None, CAMERA),
+    lambda m, i: m.describe(i[0], None, CAMERA),
+    lambda m, i: m.render(([[0, 0, 0]], [[0, 1, 2]])),
+    lambda m, i: m.render(([[0, 0, 0]], [[0, 0, 0]])),
+])
+def test_wrong_arguments_are_value_errors(image, call):
+    with pytest.raises(ValueError):
+        call(voxid_module, image)
+
+
+def test_files_that_cannot_be_read_are_os_errors(index, tmp_path, image):
+    with pytest.raises(TypeError):
+        voxid_module.describe(image.astype(np.int64), None, CAMERA)
+    for path in ("absent.vxi", "cut.vxi"):
+        (tmp_path / "cut.vxi").write_bytes(index.read_bytes()[:5000])
+        with pytest.raises(OSError, match=path):
+            voxid_module.Index.open(str(tmp_path / path))
+    with pytest.raises(OSError):
+        voxid_module.render(str(tmp_path / "absent.ply"))
+    opened = voxid_module.Index.open(str(index))
+    with pytest.raises(ValueError):
+        opened.nearest(np.zeros(3, np.int8))
+    with pytest.raises(IndexError):
+        opened.place_of(10 ** 6)
+
+
+def test_other_threads_run_meanwhile():
+    """As long as the lock is held, this thread cannot count."""
+    points = np.random.default_rng(1).uniform(-1, 1, (60000, 3))
+    working = threading.Thread(target=lambda: [voxid_module.describe(points, pairs=1000000) for _ in range(3)])
+    working.start()
+    counted = 0
+    while working.is_alive():
+        counted += 1
+        time.sleep(0.001)
+    assert counted > 20
+
+
+def test_threads_share_an_index(index, image):
+    opened = voxid_module.Index.open(str(index))
+    code = opened.describe(image, None, CAMERA)
+    expected = opened.nearest(code)[0].tolist()
+    answers = []
+    ask = lambda: [answers.append(opened.nearest(code)[0].tolist()) for _ in range(50)]
+    threads = [threading.Thread(target=ask) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(answers) == 200 and all(answer == expected for answer in answers)
+
+
+def test_messages_of_ros_are_found_whichever_comes_first(tmp_path):
+    (tmp_path / "voxid" / "msg").mkdir(parents=True)
+    (tmp_path / "voxid" / "__init__.py").write_text("")
+    (tmp_path / "voxid" / "msg" / "__init__.py").write_text("Objects = 1\n")
+    module = ROOT / os.environ.get("VOXID_BUILD", "build") / "python"
+    environment = {**os.environ, "PYTHONPATH": f"{module}:{tmp_path}"}
+    script = "import voxid; from voxid.msg import Objects; from voxid.acquire import source; print(voxid.Index.__name__, Objects)"
+    run = subprocess.run(["/usr/bin/python3", "-c", script], env=environment, capture_output=True, text=True)
+    assert run.stdout == "Index 1\n", run.stderr
+
+
+def test_the_stubs_name_what_the_module_has():
+    tree = ast.parse((ROOT / "python/voxid/__init__.pyi").read_text())
+    functions = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+    (index_class,) = (node for node in tree.body if isinstance(node, ast.ClassDef))
+    methods = {node.name: [argument.arg for argument in node.args.args + node.args.kwonlyargs if argument.arg != "self"]
+               for node in index_class.body if isinstance(node, ast.FunctionDef)}
+    assert functions | {"Index"} == set(voxid_module.__all__)
+    public = {name for name in vars(voxid_module.Index) if not name.startswith("_")} | {"__len__"}
+    assert set(methods) == public
+    for name in ("nearest", "describe", "place_of", "open"):
+        documented = getattr(voxid_module.Index, name).__doc__
+        assert all(f"{argument}:" in documented for argument in methods[name]), documented
