@@ -6,6 +6,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "params.h"
+#include "stopwatch.h"
 
 namespace voxid {
 namespace {
@@ -133,6 +134,7 @@ ros::Time CaptureNodelet::stampOf(const CaptureFrame& frame) {
 }
 
 void CaptureNodelet::onFrame(const CaptureFrame& frame, const Intrinsics& intrinsics) {
+  const Stopwatch watch;
   const Output& output = frame.sensor == Sensor::Depth ? depth_ : colour_;
   const ros::Time stamp = stampOf(frame);
   const sensor_msgs::CameraInfoPtr info = infoFor(output, frame, intrinsics);
@@ -140,6 +142,8 @@ void CaptureNodelet::onFrame(const CaptureFrame& frame, const Intrinsics& intrin
   image->header.stamp = info->header.stamp = stamp;
   image->header.frame_id = info->header.frame_id = output.frame_id;
   publish(output, image, info);
+  const std::lock_guard<std::mutex> lock(cost_mutex_);
+  cpu_ms_ += watch.cpuMs();
 }
 
 void CaptureNodelet::publish(const Output& output, const sensor_msgs::ImagePtr& image,
@@ -181,6 +185,10 @@ void CaptureNodelet::diagnose(diagnostic_updater::DiagnosticStatusWrapper& statu
   status.add("frames", snapshot.frames);
   status.add("bad_frames", snapshot.bad_frames);
   status.add("reconnects", snapshot.reconnects);
+  status.add("cpu_ms", [this] {
+    const std::lock_guard<std::mutex> lock(cost_mutex_);
+    return cpu_ms_;
+  }());
   if (snapshot.last_frame_age_s >= 0) status.add("last_frame_age_s", snapshot.last_frame_age_s);
 }
 

@@ -54,6 +54,8 @@ class CaptureNodelet : public nodelet::Nodelet {
   std::unique_ptr<CaptureLoop> loop_;  // after the destructor's body null, and there until the publishers are gone
   Output depth_, colour_;
   std::atomic<int> stamp_offset_ms_{0};
+  std::mutex cost_mutex_;
+  double cpu_ms_ = 0;  // of the loop's thread, copying and publishing
   std::mutex calibration_mutex_;
   std::string calibration_problem_;
   std::unique_ptr<dynamic_reconfigure::Server<CaptureConfig>> config_;

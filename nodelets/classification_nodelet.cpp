@@ -99,6 +99,7 @@ void ClassificationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image,
   objects->latency_ms = static_cast<float>((ros::Time::now() - image->header.stamp).toSec() * 1e3);
   objects_.publish(objects);
   report(*objects, depth.status);
+  health_.cost(watch.ms(), watch.cpuMs());
 }
 
 Result<DepthView> ClassificationNodelet::viewFor(const sensor_msgs::Image& image, const sensor_msgs::CameraInfo& info,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "health.h"
 
+#include <algorithm>
+
 namespace voxid {
 namespace {
 
@@ -36,6 +38,13 @@ void Health::frame(const ros::Time& stamp, const std::string& status) {
   last_arrival_ = ros::SteadyTime::now();
 }
 
+void Health::cost(double ms, double cpu_ms) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  last_ms_ = ms;
+  worst_ms_ = std::max(worst_ms_, ms);
+  cpu_ms_ += cpu_ms;
+}
+
 void Health::dropped() {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++dropped_;
@@ -66,6 +75,9 @@ void Health::publish(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("frames", frames_);
   status.add("dropped", dropped_);
   status.add("last_status", last_status_);
+  status.add("last_ms", last_ms_);
+  status.add("worst_ms", worst_ms_);
+  status.add("cpu_ms", cpu_ms_);
   if (frames_ > 0) status.add("last_frame_age_s", (ros::Time::now() - last_stamp_).toSec());
 }
 

@@ -11,7 +11,8 @@
 
 namespace voxid {
 
-/// What a nodelet says about itself on /diagnostics once a second: state, reason, frames, drops, age of the last frame.
+/// What a nodelet says about itself on /diagnostics once a second: state, reason, frames, drops, age of the last frame,
+/// and what the frames cost.
 /// A reason is logged once, when it appears. Thread-safe.
 class Health {
  public:
@@ -22,6 +23,8 @@ class Health {
 
   void listening(bool somebody);  ///< false: nobody subscribes, so there is no work
   void frame(const ros::Time& stamp, const std::string& status);
+  /// Time on the clock and on processors that a frame took, publishing included.
+  void cost(double ms, double cpu_ms);
   void dropped();  ///< a frame that was overtaken by a newer one, or came without its camera_info
   void reason(Level level, const std::string& sentence);
   void well() { reason(Level::Ok, ""); }
@@ -35,6 +38,7 @@ class Health {
   Level level_ = Level::Ok;
   bool listening_ = false;
   std::uint64_t frames_ = 0, dropped_ = 0;
+  double last_ms_ = 0, worst_ms_ = 0, cpu_ms_ = 0;
   ros::Time last_stamp_;
   ros::SteadyTime last_arrival_;
   std::unique_ptr<diagnostic_updater::Updater> updater_;

@@ -3,6 +3,7 @@
 
 #include <pluginlib/class_list_macros.hpp>
 
+#include "stopwatch.h"
 #include "turns.h"
 
 namespace voxid {
@@ -29,11 +30,13 @@ void LcmBridgeNodelet::onInit() {
 }
 
 void LcmBridgeNodelet::onObjects(const ObjectsConstPtr& objects) {
+  const Stopwatch watch;
   if (!connected()) return health_.dropped();
   const object_list_t list = toLcm(*objects);
   const bool sent = lcm_->publish(kChannel, &list) == 0;
   sent ? health_.well() : health_.reason(Health::Level::Error, remedy(url_));
   sent ? health_.frame(objects->header.stamp, statusName(objects->status)) : health_.dropped();
+  health_.cost(watch.ms(), watch.cpuMs());
 }
 
 bool LcmBridgeNodelet::connected() {

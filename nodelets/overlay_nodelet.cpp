@@ -8,6 +8,7 @@
 
 #include "conversions.h"
 #include "drawing.h"
+#include "stopwatch.h"
 #include "turns.h"
 
 namespace voxid {
@@ -66,19 +67,23 @@ void OverlayNodelet::listenForOverlay(bool wanted) {
 }
 
 void OverlayNodelet::onObjects(const ObjectsConstPtr& objects) {
+  const Stopwatch watch;
   markers_.publish(markersOf(*objects, shown_ids_));
   shown_ids_.clear();
   for (const Object& object : objects->objects) shown_ids_.push_back(object.id);
   health_.frame(objects->header.stamp, statusName(objects->status));
+  health_.cost(watch.ms(), watch.cpuMs());
 }
 
 void OverlayNodelet::onFrame(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info,
                              const SegmentsConstPtr& segments, const ObjectsConstPtr& objects) {
+  const Stopwatch watch;
   const Result<DepthView> depth = viewOf(*image, *info);
   if (!depth.ok() || !fit(*segments, depth.value)) return;
   const cv::Mat drawing = drawOverlay(depth.value, *segments, *objects);
   overlay_.publish(cv_bridge::CvImage(image->header, sensor_msgs::image_encodings::BGR8, drawing).toImageMsg());
   health_.frame(image->header.stamp, statusName(objects->status));
+  health_.cost(watch.ms(), watch.cpuMs());
 }
 
 }  // namespace voxid

@@ -56,11 +56,13 @@ void SegmentationNodelet::unsubscribe() {
 
 void SegmentationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image,
                                   const sensor_msgs::CameraInfoConstPtr& info) {
+  const Stopwatch watch;
   const Result<DepthView> depth = viewOf(*image, *info);
   const auto segments = segment(depth, image->header);
   segments_.publish(segments);
   if (depth.ok()) publishCloud(depth.value, *segments);
   health_.frame(image->header.stamp, statusName(segments->status));
+  health_.cost(watch.ms(), watch.cpuMs());
   health_.reason(depth.ok() ? Health::Level::Ok : Health::Level::Error, depth.status.sentence);
 }
 

@@ -39,6 +39,10 @@ std::vector<Json> benchDescriptors(const Profile& profile, const std::vector<Ben
 /// (evenly chosen, 640 x 480), each 20 times, beside PCL's chain on the same frames.
 Result<std::vector<Json>> benchSegmentation(const std::string& folder, int most);
 
+/// The row chain: the nodelets on FOLDER's depth images, replayed at 30 frames a second for so long. Needs a build with
+/// ROS.
+Result<Json> benchChain(const std::string& folder, const std::string& index, int seconds);
+
 /// The searches of an index and of other libraries over its codes.
 std::vector<Json> benchQueries(const std::shared_ptr<const Index>& index, const std::vector<BenchView>& views);
 

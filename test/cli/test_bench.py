@@ -134,6 +134,41 @@ def test_scenes_of_another_size_are_refused(voxid, scenes, tmp_path):
     voxid("bench", "--scenes", tmp_path).refuses(3, "objects.json")
 
 
+@pytest.fixture(scope="module")
+def chain(voxid, index, scenes):
+    """The row, or the refusal where voxid was built without ROS."""
+    answer = voxid("bench", "--chain", "--index", index, "--frames", scenes, "--seconds", 3, "--json")
+    if "without" in answer.err:
+        answer.refuses(1, "--chain needs ROS", "scripts/build")
+        pytest.skip("this voxid was built without ROS")
+    return answer.json["rows"]
+
+
+def test_the_chain_answers_every_frame_it_is_shown(chain):
+    (row,) = chain
+    assert row["name"] == "chain"
+    assert 0 < row["p50_ms"] <= row["p99_ms"] <= row["worst_latency_ms"]
+    assert 80 <= row["frames"] <= 100 and 0 <= row["lost"] <= row["frames"] // 2  # a busy machine may be late
+    assert row["objects_per_frame"] == 2  # the cube and the tin
+
+
+def test_the_chain_says_what_a_frame_costs_each_stage(chain):
+    (row,) = chain
+    stages = row["cpu_ms_per_frame"]
+    assert {"all", "capture", "segmentation", "classification", "lcm_bridge", "other"} <= set(stages)
+    assert stages["all"] == pytest.approx(sum(ms for name, ms in stages.items() if name != "all"), abs=0.01)
+    assert all(stages[name] > 0 for name in ("capture", "segmentation", "classification"))
+    assert row["core_share"] == pytest.approx(stages["all"] * row["frames"] / 3000, rel=0.05)
+
+
+def test_bad_use_of_the_chain(voxid, index, scenes, tmp_path):
+    voxid("bench", "--chain", "--index", index).refuses(2, "--scenes", "--frames")
+    voxid("bench", "--chain", "--frames", scenes).refuses(2, "--index")
+    voxid("bench", "--frames", scenes, "--scenes", scenes).refuses(2, "--chain")
+    voxid("bench", "--chain", "--index", tmp_path / "none.vxi", "--frames", scenes).refuses(1, "none.vxi")
+    voxid("bench", "--chain", "--index", index, "--frames", tmp_path / "none").refuses(1, "none")
+
+
 def test_bad_use(voxid, index, queries, tmp_path):
     voxid("bench").refuses(2, "--queries", "--scenes")
     voxid("bench", "--queries", queries).refuses(2, "--index")
