@@ -78,7 +78,7 @@ class FloatShapesCode : public FloatCode {
 class ProfileCode : public ViewCode {
  public:
   explicit ProfileCode(const Profile& profile)
-      : ViewCode(profile.projection ? "default" : "paper", profile.codeBytes()),
+      : ViewCode(profile.projection ? "default" : "paper", profile.codeBytes(), profile.projection != nullptr),
         profile_(profile),
         encoder_(makeEncoder(profile)) {}
 

@@ -16,7 +16,8 @@ namespace voxid::cli {
 /// A descriptor with its metric.
 class ViewCode {
  public:
-  ViewCode(std::string code_name, std::size_t code_bytes) : name(std::move(code_name)), bytes(code_bytes) {}
+  ViewCode(std::string code_name, std::size_t code_bytes, bool code_is_refined = false)
+      : name(std::move(code_name)), bytes(code_bytes), refined(code_is_refined) {}
   virtual ~ViewCode() = default;
 
   /// Writes `bytes` bytes; false if there is no answer for this view.
@@ -26,6 +27,7 @@ class ViewCode {
 
   const std::string name;   ///< as in the rows of `voxid eval --compare`
   const std::size_t bytes;  ///< a view; a multiple of 4
+  const bool refined;       ///< what is nearest is then measured by movedDistance, as makeSearch does
 };
 
 /// PCL's ESF; D2 alone; the paper's descriptor in bytes and, for what rounding costs, in floats; all by L1. The paper's

@@ -9,13 +9,38 @@ namespace voxid::cli {
 CodeSearch::CodeSearch(const Index& index, ViewCode& code, std::vector<std::uint32_t> views, CodeAt code_at)
     : index_(index), code_(code), views_(std::move(views)), code_at_(std::move(code_at)), query_(code.bytes) {
   found_.reserve(views_.size());
+  if (!code_.refined) return;
+  refiner_.emplace(index_.categories().size, code_.bytes);
+  learnMeans();
+}
+
+void CodeSearch::learnMeans() {
+  std::vector<CodeMean> means(index_.categories().size, CodeMean(code_.bytes));
+  for (std::size_t i = 0; i < views_.size(); ++i) {
+    if (const std::uint8_t* const code = code_at_(i)) means[categoryOf(views_[i])].add(code);
+  }
+  means_.resize(means.size());
+  for (std::size_t i = 0; i < means.size(); ++i) {
+    if (means[i].empty()) continue;
+    means_[i].resize(code_.bytes);
+    means[i].write(means_[i].data());
+  }
+}
+
+const std::uint8_t* CodeSearch::codeOf(std::uint32_t view) const {
+  return code_at_(static_cast<std::size_t>(std::lower_bound(views_.begin(), views_.end(), view) - views_.begin()));
 }
 
 const Nearest* CodeSearch::find(const DepthView& depth, Span<const std::uint32_t> pixels,
                                 const AllowedCategories& allowed) {
   if (!code_.describe(depth, pixels, query_.data())) return nullptr;
   compareAll(allowed);
-  return &sorted();
+  const Nearest& found = sorted();
+  if (!refiner_) return &found;
+  return &refiner_->refine(query_.data(), found, [this](std::uint32_t view) {
+    const std::uint32_t category = categoryOf(view);
+    return Moved{view, category, codeOf(view), means_[category].data()};
+  });
 }
 
 void CodeSearch::compareAll(const AllowedCategories& allowed) {

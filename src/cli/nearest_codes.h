@@ -3,9 +3,11 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "compare_codes.h"
+#include "voxid/core/refine.h"
 #include "voxid/core/search.h"
 
 namespace voxid::cli {
@@ -18,17 +20,19 @@ class CodeSearch {
   /// The code of the i-th of `views`; null if the descriptor has none for it.
   using CodeAt = std::function<const std::uint8_t*(std::size_t i)>;
 
-  /// `index` and `code` outlive the search. `views` are numbers of the index.
+  /// `index` and `code` outlive the search. `views` are numbers of the index, ascending.
   CodeSearch(const Index& index, ViewCode& code, std::vector<std::uint32_t> views, CodeAt code_at);
 
-  /// As the library's exact search finds them, distances as `code` counts them. Null if there is no answer for these
-  /// pixels. Belongs to the search until its next call.
+  /// As makeSearch finds them, distances as `code` counts them or, where it is refined, by movedDistance. Null if there
+  /// is no answer for these pixels. Belongs to the search until its next call.
   const Nearest* find(const DepthView& depth, Span<const std::uint32_t> pixels, const AllowedCategories& allowed = {});
 
   const ViewCode& code() const { return code_; }
 
  private:
   std::uint32_t categoryOf(std::uint32_t view) const { return index_.models()[index_.modelOf(view)].category; }
+  const std::uint8_t* codeOf(std::uint32_t view) const;
+  void learnMeans();
   void compareAll(const AllowedCategories& allowed);
   const Nearest& sorted();
 
@@ -39,6 +43,8 @@ class CodeSearch {
   std::vector<std::uint8_t> query_;
   std::vector<Neighbour> found_, categories_;
   Nearest result_;
+  std::optional<Refiner> refiner_;               // of a code that is refined
+  std::vector<std::vector<std::int8_t>> means_;  // of these views, by category; empty: none
 };
 
 }  // namespace voxid::cli

@@ -201,6 +201,7 @@ Status Index::locate() {
     views_ = find.exactly<format::View>("VIEW", h.views);
   directions_ = find.any<format::Direction>("DIRS");
   codes_ = find.exactly<std::uint8_t>("CODE", std::uint64_t{h.views} * parameters_->code_bytes).data;
+  if (is_default) means_ = find.exactly<std::int8_t>("MEAN", std::uint64_t{h.categories} * parameters_->code_bytes);
   keys_ = find.exactly<Key>("KEYS", h.buckets);
   bucket_offsets_ = find.exactly<std::uint32_t>("BKTO", std::uint64_t{h.buckets} + 1);
   bucket_views_ = find.exactly<std::uint32_t>("BKTV", h.views);

@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <cstring>
 #include <string>
+#include <vector>
 
 #include "voxid/core/crc32c.h"
 #include "voxid/core/index.h"
+#include "voxid/core/refine.h"
 
 namespace voxid {
 namespace {
@@ -147,6 +149,23 @@ Fault checkBuckets(const Index& index) {
   return total == index.viewCount() ? Fault() : "the buckets do not hold every view";
 }
 
+Fault checkMeans(const Index& index) {
+  if (!index.projection()) return {};
+  const std::size_t bytes = index.parameters().code_bytes;
+  std::vector<std::int8_t> expected(bytes);
+  for (std::uint32_t i = 0; i < index.categories().size; ++i) {
+    const format::Category& category = index.categories()[i];
+    const format::Model& last = index.models()[category.first_model + category.models - 1];
+    CodeMean mean(bytes);
+    for (std::uint32_t view = index.models()[category.first_model].first_view; view < last.first_view + last.views;
+         ++view)
+      mean.add(index.code(view));
+    mean.write(expected.data());
+    if (!std::equal(expected.begin(), expected.end(), index.mean(i))) return at("wrong mean of category", i);
+  }
+  return {};
+}
+
 Fault checkCalibration(const Index& index) {
   const format::Calibration& curve = index.calibration();
   const auto* const first = curve.score_permille;
@@ -158,8 +177,8 @@ Fault checkCalibration(const Index& index) {
 }  // namespace
 
 Status Index::verify() const {
-  for (const auto check :
-       {checkSums, checkPadding, checkCategories, checkModels, checkViews, checkBuckets, checkCalibration}) {
+  for (const auto check : {checkSums, checkPadding, checkCategories, checkModels, checkViews, checkBuckets, checkMeans,
+                           checkCalibration}) {
     const Fault fault = check(*this);
     if (!fault.empty()) {
       return Status::damaged("the index " + path_ + " is damaged: " + fault +

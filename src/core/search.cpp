@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "code_distance.h"
+#include "voxid/core/refine.h"
 
 namespace voxid {
 namespace {
@@ -167,6 +168,61 @@ class LshSearch : public Search {
   Gatherer found_;
 };
 
+// Another search's answer by the codes moved towards their categories' means.
+class RefinedSearch : public Search {
+ public:
+  RefinedSearch(std::shared_ptr<const Index> index, std::unique_ptr<Search> search)
+      : index_(std::move(index)),
+        search_(std::move(search)),
+        refiner_(index_->categories().size, index_->parameters().code_bytes),
+        others_(index_->parameters().code_bytes),
+        mean_of_others_(index_->parameters().code_bytes) {}
+
+  const Nearest& find(const std::uint8_t* code, std::uint32_t left_out_model) override {
+    const Nearest& found = search_->find(code, left_out_model);
+    leaveOut(left_out_model);
+    return refiner_.refine(code, found, [this](std::uint32_t view) { return moved(view); });
+  }
+
+ private:
+  // A view that leads nowhere (possible only in a damaged file) has no category.
+  Moved moved(std::uint32_t view) const {
+    const std::uint32_t model = index_->modelOf(view);
+    const std::uint32_t category = model < index_->models().size ? index_->models()[model].category : kNone;
+    if (category >= index_->categories().size) return {view, kNone, nullptr, nullptr};
+    return {view, category, index_->code(view), meanOf(category)};
+  }
+
+  void leaveOut(std::uint32_t model) {
+    const bool none = model >= index_->models().size;
+    changed_category_ = none ? kNone : index_->models()[model].category;
+    if (none) return;
+    others_.clear();
+    for (std::uint32_t other = 0; other < index_->models().size; ++other) {
+      if (other != model && index_->models()[other].category == changed_category_)
+        addTo(others_, index_->models()[other]);
+    }
+    if (!others_.empty()) others_.write(mean_of_others_.data());
+  }
+  void addTo(CodeMean& mean, const format::Model& model) const {
+    const std::uint64_t end =
+        std::min(std::uint64_t{model.first_view} + model.views, std::uint64_t{index_->viewCount()});
+    for (std::uint32_t view = model.first_view; view < end; ++view) mean.add(index_->code(view));
+  }
+
+  const std::int8_t* meanOf(std::uint32_t category) const {
+    if (category != changed_category_) return index_->mean(category);
+    return others_.empty() ? nullptr : mean_of_others_.data();
+  }
+
+  std::shared_ptr<const Index> index_;
+  std::unique_ptr<Search> search_;
+  Refiner refiner_;
+  std::uint32_t changed_category_ = kNone;  // whose mean lacks the model that is left out
+  CodeMean others_;
+  std::vector<std::int8_t> mean_of_others_;
+};
+
 }  // namespace
 
 std::unique_ptr<Search> makeExactSearch(std::shared_ptr<const Index> index) {
@@ -174,9 +230,11 @@ std::unique_ptr<Search> makeExactSearch(std::shared_ptr<const Index> index) {
 }
 
 std::unique_ptr<Search> makeSearch(std::shared_ptr<const Index> index, const SearchParams& params) {
-  if (params.exact) return makeExactSearch(std::move(index));
-  return index->projection() ? makeListSearch(std::move(index), params.lists)
-                             : makeLshSearch(std::move(index), params.radius_bits);
+  if (!index->projection()) {
+    return params.exact ? makeExactSearch(std::move(index)) : makeLshSearch(std::move(index), params.radius_bits);
+  }
+  auto search = params.exact ? makeExactSearch(index) : makeListSearch(index, params.lists);
+  return std::make_unique<RefinedSearch>(std::move(index), std::move(search));
 }
 
 std::unique_ptr<Search> makeLshSearch(std::shared_ptr<const Index> index, int radius_bits) {

@@ -78,7 +78,7 @@ format::Calibration calibrate(std::shared_ptr<const Index> index, const std::vec
   const auto chosen = spread(*index, queries);
   if (chosen.size() < kLeastSamples) return builtInCalibration(index->profile());
   std::vector<int> right(format::Calibration::kBins), asked(format::Calibration::kBins);
-  const auto search = makeExactSearch(index);
+  const auto search = makeSearch(index, {});
   for (const CalibrationQuery* const query : chosen) {
     const Nearest& found = search->find(query->code.data(), query->model);
     if (found.categories.size < 2) continue;

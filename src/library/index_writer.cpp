@@ -14,6 +14,7 @@
 
 #include "voxid/core/crc32c.h"
 #include "voxid/core/key.h"
+#include "voxid/core/refine.h"
 
 namespace voxid {
 namespace {
@@ -26,7 +27,7 @@ using Tags = std::vector<const char*>;
 Tags tagsOf(const Profile& profile, bool senses) {
   Tags tags{"PARM", "CATS", "MODL", "DIRS", "VIEW", "CODE", "KEYS", "BKTO", "BKTV", "STRS", "CALB"};
   if (profile.projection)
-    tags = {"PARM", "CATS", "MODL", "DIRS", "VIE4", "PROJ", "CODE", "KEYS", "BKTO", "BKTV", "STRS", "CALB"};
+    tags = {"PARM", "CATS", "MODL", "DIRS", "VIE4", "PROJ", "CODE", "MEAN", "KEYS", "BKTO", "BKTV", "STRS", "CALB"};
   if (senses) tags.push_back("SYNS");
   return tags;
 }
@@ -341,6 +342,21 @@ void writeCodes(SectionWriter& out, const Models& models) {
   out.end();
 }
 
+// Models come by category.
+void writeMeans(SectionWriter& out, const Models& models, std::size_t code_bytes) {
+  CodeMean mean(code_bytes);
+  std::vector<std::int8_t> bytes(code_bytes);
+  out.begin();
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    for (const ViewRecord& view : models[i]->views) mean.add(view.code.data());
+    if (i + 1 < models.size() && models[i + 1]->category == models[i]->category) continue;
+    mean.write(bytes.data());
+    out.put(bytes.data(), bytes.size());
+    mean.clear();
+  }
+  out.end();
+}
+
 format::Header headerOf(const IndexContent& content, const Tables& tables, const format::Parameters& parameters) {
   format::Header header{};
   std::copy(std::begin(format::kMagic), std::end(format::kMagic), header.magic);
@@ -373,6 +389,7 @@ void writeSections(FileBeside& file, const IndexContent& content, const Models& 
     writeViews(out, models);
   }
   writeCodes(out, models);
+  if (content.profile.projection) writeMeans(out, models, content.profile.codeBytes());
   out.section(tables.keys);
   out.section(tables.bucket_offsets);
   out.section(tables.bucket_views);

@@ -3,14 +3,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstring>
 #include <functional>
+#include <numeric>
 #include <set>
 
 #include "core/index_fixture.h"
 #include "core/projection_fixture.h"
 #include "voxid/core/classifier.h"
 #include "voxid/core/crc32c.h"
+#include "voxid/core/refine.h"
 #include "voxid/core/search.h"
 
 namespace voxid {
@@ -222,11 +226,105 @@ TEST_F(DefaultIndex, TheProfileChoosesTheSearch) {
   EXPECT_EQ(makeSearch(index, params)->find(code.data()).scanned, index->viewCount());
 }
 
+// ---- codes moved towards their categories' means -----------------------------------------------------------------
+
+using Numbers = std::vector<double>;
+
+Numbers numbersOf(const std::uint8_t* code) {
+  const auto* const first = reinterpret_cast<const std::int8_t*>(code);
+  return {first, first + kBytes};
+}
+
+double lengthOf(const Numbers& numbers) {
+  return std::sqrt(std::inner_product(numbers.begin(), numbers.end(), numbers.begin(), 0.0));
+}
+
+/// In floating point; `mean` may be empty.
+double slowMovedDistance(const std::uint8_t* query, const std::uint8_t* code, const Numbers& mean) {
+  const Numbers q = numbersOf(query);
+  Numbers moved = numbersOf(code);
+  for (std::size_t i = 0; i < mean.size(); ++i) moved[i] += (mean[i] - moved[i]) / 3;
+  const double stretch = Projection::kCodeLength / lengthOf(moved);
+  double sum = 0;
+  for (std::size_t i = 0; i < kBytes; ++i) sum += (q[i] - stretch * moved[i]) * (q[i] - stretch * moved[i]);
+  return sum;
+}
+
+Numbers slowMean(const Index& index, std::uint32_t category, std::uint32_t left_out) {
+  Numbers sums(kBytes);
+  int views = 0;
+  for (std::uint32_t view = 0; view < index.viewCount(); ++view) {
+    const std::uint32_t model = index.modelOf(view);
+    if (model == left_out || index.models()[model].category != category) continue;
+    const Numbers code = numbersOf(index.code(view));
+    for (std::size_t i = 0; i < kBytes; ++i) sums[i] += code[i];
+    ++views;
+  }
+  if (views == 0) return {};
+  for (double& sum : sums) sum = std::round(sum / views);
+  return sums;
+}
+
+TEST_F(DefaultIndex, HoldsTheMeansOfItsCategories) {
+  const auto index = make(5, 3, 7);
+  for (std::uint32_t category = 0; category < 5; ++category) {
+    const Numbers mean = slowMean(*index, category, Search::kNone);
+    EXPECT_TRUE(std::equal(mean.begin(), mean.end(), index->mean(category))) << category;
+  }
+}
+
+TEST(CodeMean, RoundsHalvesAwayFromZero) {
+  CodeMean mean(3);
+  for (const std::array<std::int8_t, 3>& code : {std::array<std::int8_t, 3>{1, -1, 4}, {2, -2, 4}}) {
+    mean.add(reinterpret_cast<const std::uint8_t*>(code.data()));
+  }
+  std::array<std::int8_t, 3> rounded{};
+  mean.write(rounded.data());
+  EXPECT_EQ(rounded, (std::array<std::int8_t, 3>{2, -2, 4}));
+}
+
+std::set<std::uint32_t> viewsOf(const Neighbours& found) {
+  std::set<std::uint32_t> views;
+  for (const auto& [distance, view] : found) views.insert(view);
+  return views;
+}
+
+TEST_F(DefaultIndex, WhatIsFoundIsMeasuredTowardsTheMeans) {
+  const auto index = make(8, 3, 9);
+  const auto search = makeSearch(index, {});
+  for (int i = 0; i < 20; ++i) {
+    const Code code = randomDefaultCode(random_);
+    const std::uint32_t left_out = i % 2 == 0 ? Search::kNone : static_cast<std::uint32_t>(random_.below(24));
+    const Nearest& found = search->find(code.data(), left_out);
+    ASSERT_EQ(found.views.size, std::size_t{kNearestViews});
+    ASSERT_EQ(found.categories.size, 8u);
+    for (const Neighbour& n : found.views) {
+      const Numbers mean = slowMean(*index, index->models()[index->modelOf(n.view)].category, left_out);
+      ASSERT_NE(index->modelOf(n.view), left_out);
+      ASSERT_NEAR(n.distance, slowMovedDistance(code.data(), index->code(n.view), mean), 8) << n.view;
+    }
+    EXPECT_TRUE(std::is_sorted(found.views.begin(), found.views.end()));
+    EXPECT_TRUE(std::is_sorted(found.categories.begin(), found.categories.end()));
+    EXPECT_EQ(found.categories[0].view, found.views[0].view);
+    const Neighbours all = sortedViews(*index, code, [&](std::uint32_t v) { return index->modelOf(v) != left_out; });
+    EXPECT_EQ(viewsOf(pairsOf(found.views)), viewsOf(head(all, kNearestViews))) << "the nearest by their own codes";
+  }
+}
+
+TEST_F(DefaultIndex, TheOnlyModelOfACategoryLeavesItWithoutAMean) {
+  const auto index = make(6, 1, 4);
+  const Code code = randomDefaultCode(random_);
+  EXPECT_EQ(makeSearch(index, {})->find(code.data(), 2).categories.size, 5u);
+}
+
 // ---- damage ----------------------------------------------------------------------------------------------------
 
 void useIt(const std::shared_ptr<const Index>& index) {
   const Code code(kBytes, 3);
-  for (const auto& search : {makeExactSearch(index), makeListSearch(index, 2), makeListSearch(index, 100)}) {
+  SearchParams lists;
+  lists.exact = false;
+  for (const auto& search : {makeExactSearch(index), makeListSearch(index, 2), makeListSearch(index, 100),
+                             makeSearch(index, {}), makeSearch(index, lists)}) {
     const Nearest& nearest = search->find(code.data(), 1);
     const Answer answer = classify(*index, nearest, ClassifyMethod::Vote, 0);
     for (int i = 0; i < answer.count; ++i) {
@@ -263,8 +361,8 @@ TEST_F(DefaultIndex, ReferencesThatLieAreHarmlessAndFound) {
   const std::string path = make(3, 2, 2)->path(), good = readBytes(path);
   constexpr std::uint32_t kFar = 0xffffffff;
   for (const Damage& damage : {Damage{"VIE4", 4, 200, 1}, Damage{"MODL", 32 + 16, kFar, 4}, Damage{"MODL", 16, 5, 4},
-                               Damage{"MODL", 20, kFar, 4}, Damage{"KEYS", 0, kFar, 4}, Damage{"KEYS", 4, kFar, 4},
-                               Damage{"BKTV", 0, kFar, 4}, Damage{"BKTO", 4, kFar, 4}}) {
+                               Damage{"MODL", 20, kFar, 4}, Damage{"MEAN", 3, 99, 1}, Damage{"KEYS", 0, kFar, 4},
+                               Damage{"KEYS", 4, kFar, 4}, Damage{"BKTV", 0, kFar, 4}, Damage{"BKTO", 4, kFar, 4}}) {
     std::string bytes = good;
     auto& header = *reinterpret_cast<format::Header*>(bytes.data());
     auto* const table = reinterpret_cast<format::Section*>(bytes.data() + sizeof(format::Header));

@@ -54,6 +54,11 @@ class Index {
   /// The stored bytes of a view, code_bytes of them.
   const std::uint8_t* code(std::uint32_t view) const { return codes_ + std::size_t{view} * parameters_->code_bytes; }
 
+  /// The mean of a category's codes, code_bytes numbers; only in "default".
+  const std::int8_t* mean(std::uint32_t category) const {
+    return means_.data + std::size_t{category} * parameters_->code_bytes;
+  }
+
   Span<const Key> keys() const { return keys_; }
   /// The views in bucket `i` (of keys()[i]). A range outside the section (possible only in a damaged file) comes back
   /// empty.
@@ -99,6 +104,7 @@ class Index {
   Span<const format::ShortView> short_views_;  // of "default"
   Span<const format::Direction> directions_;
   const std::uint8_t* codes_ = nullptr;
+  Span<const std::int8_t> means_;
   Span<const Key> keys_;
   Span<const std::uint32_t> bucket_offsets_, bucket_views_;
   Span<const char> strings_;

@@ -104,6 +104,7 @@ constexpr char kProjectionMagic[8] = {'V', 'O', 'X', 'I', 'D', 'P', '\r', '\n'};
 constexpr std::uint32_t kProjectionVersion = 1;
 
 /// CODE: code_bytes a view, in the order of the views.
+/// MEAN, in "default": code_bytes a category, the mean of its codes, rounded to nearest, halves away from zero.
 /// KEYS: the distinct 52-bit keys ("default": numbers of lists), ascending, 8 bytes each. BKTO: buckets + 1 offsets into BKTV, 4 bytes each.
 /// BKTV: view numbers by bucket, ascending inside a bucket, 4 bytes each.
 

@@ -12,7 +12,8 @@ namespace voxid {
 
 struct Neighbour {
   std::uint32_t view = 0;
-  std::uint32_t distance = 0;  ///< of the index's profile: L1, 0 to 106,080, or squared Euclidean, 0 to 4,129,024
+  std::uint32_t distance = 0;  ///< of the index's profile: L1, 0 to 106,080, or squared Euclidean, 0 to 4,129,024;
+                               ///< from makeSearch of "default" by movedDistance (refine.h), 0 to 518,400
 };
 /// Nearer first; the lower view number wins a tie, so that the order never depends on how the search went.
 inline bool operator<(Neighbour a, Neighbour b) {
@@ -25,7 +26,7 @@ struct Nearest {
   Span<const Neighbour> categories;  ///< of each category that was met, its nearest view
   std::uint32_t scanned = 0;         ///< codes compared
 };
-constexpr int kNearestViews = 20;
+constexpr int kNearestViews = 64;
 
 /// Finds the nearest views of one index. All memory is taken at construction. One object a thread.
 class Search {
@@ -39,8 +40,9 @@ class Search {
 /// Compares with every view: the definition that every other search is measured against.
 std::unique_ptr<Search> makeExactSearch(std::shared_ptr<const Index> index);
 
-/// The paper's locality-sensitive hashing (Sec. IV.B), for an index of profile "paper": the buckets whose keys lie within `radius` bits of the query's
-/// are compared in full. The ball grows by two bits until it holds at least five categories (or everything).
+/// The paper's locality-sensitive hashing (Sec. IV.B), for an index of profile "paper": the buckets whose keys lie
+/// within `radius` bits of the query's are compared in full. The ball grows by two bits until it holds at least five
+/// categories (or everything).
 std::unique_ptr<Search> makeLshSearch(std::shared_ptr<const Index> index, int radius_bits);
 
 /// The learnt hash of profile "default": the `lists` lists whose centroids lie nearest the query are compared in full,
@@ -62,6 +64,8 @@ inline bool operator==(const SearchParams& a, const SearchParams& b) {
 inline SearchParams searchParamsOf(const ClassifyParams& params) {
   return {params.exact, params.radius_bits, params.lists};
 }
+/// Of profile "default" what was found is measured anew, by codes moved towards their categories' means (refine.h). A
+/// model that is left out is left out of its category's mean, too.
 std::unique_ptr<Search> makeSearch(std::shared_ptr<const Index> index, const SearchParams& params);
 
 }  // namespace voxid
