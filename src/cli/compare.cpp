@@ -5,6 +5,7 @@
 #include "cpu_time.h"
 #include "evaluation.h"
 #include "nearest_codes.h"
+#include "projected_esf.h"
 #include "recogniser.h"
 
 namespace voxid::cli {
@@ -57,9 +58,14 @@ std::vector<Json> rowsOf(const Comparison& ours, const Comparison& esf, const st
 
 Result<Json> compareDescriptors(const std::shared_ptr<const Index>& index, const std::vector<Query>& queries,
                                 const CameraChoice& camera, const CompareOptions& options) {
-  const auto compared = describeViews(*index, options.models, options.every, options.jobs);
+  auto compared = describeViews(*index, options.models, options.every, options.jobs);
   if (!compared.ok()) return compared.status;
-  const auto codes = comparedCodes(*index);
+  auto codes = comparedCodes(*index);
+  if (index->projection()) {
+    ProjectedEsf projected = projectEsf(*index, compared.value.views, *compared.value.tables[0]);
+    codes.insert(codes.begin() + 1, std::move(projected.code));
+    compared.value.tables.insert(compared.value.tables.begin() + 1, std::move(projected.table));
+  }
   std::vector<Comparison> comparisons;
   for (std::size_t i = 0; i < codes.size(); ++i) {
     CodeSearch search(*index, *codes[i], compared.value.views, compared.value.codesOf(i));

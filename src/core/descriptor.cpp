@@ -159,7 +159,7 @@ struct Describer::Workspace {
 
   Described describeKept(Span<const PointUm> kept);
   void place(Span<const PointUm> kept, const Frame& frame);
-  void drawSurface(std::size_t points);
+  void fillSurface();
   int distanceBin(const Sample& a, const Sample& b) const;
   Counts drawPairs(std::size_t points);
   void drawLines(std::size_t count, PairSampler& pairs);
@@ -171,7 +171,7 @@ Described Describer::Workspace::describeKept(Span<const PointUm> kept) {
   const Box box = boxOf(kept);
   if (isOnePoint(box)) return {DescribeStatus::Degenerate, {}};
   place(kept, Frame(box));
-  drawSurface(kept.size);
+  fillSurface();
   Described result{DescribeStatus::Ok, {}};
   write(drawPairs(kept.size), params.pairs, result.bins);
   return result;
@@ -190,7 +190,7 @@ void Describer::Workspace::place(Span<const PointUm> kept, const Frame& frame) {
   }
 }
 
-void Describer::Workspace::drawSurface(std::size_t points) {
+void Describer::Workspace::fillSurface() {
   surface.thicken();
   surface.close();
 }

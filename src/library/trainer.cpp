@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxid/library/trainer.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -14,18 +11,13 @@
 #include "parts_folder.h"
 #include "render_models.h"
 #include "shard.h"
+#include "voxid/library/discriminants.h"
 #include "voxid/library/index_writer.h"
 #include "voxid/library/shrink_codes.h"
 #include "voxid/library/views.h"
 
 namespace voxid {
 namespace {
-
-using Eigen::MatrixXd;
-using Eigen::MatrixXf;
-using Eigen::VectorXd;
-
-constexpr int kBins = kDepthBins;
 
 /// What is learnt from: bins of views, each view's category.
 struct Lessons {
@@ -50,108 +42,8 @@ format::Parameters binsParameters(const DescriptorParams& params) {
   std::fill(std::begin(parameters.profile), std::end(parameters.profile), '\0');
   parameters.profile[0] = 'b';
   parameters.revision = kDepthDescriptorRevision;
-  parameters.code_bytes = kBins;
+  parameters.code_bytes = kDepthBins;
   return parameters;
-}
-
-template <typename Take>
-void forEachView(const std::vector<ModelRecord>& models, Take take) {
-  for (const ModelRecord& model : models) {
-    for (const ViewRecord& view : model.views) take(model, view);
-  }
-}
-
-// ---- the map -----------------------------------------------------------------------------------------------------
-
-/// Sums over views, from which scatters follow.
-struct Moments {
-  MatrixXd products = MatrixXd::Zero(kBins, kBins);  ///< lower half, of the views less `mean`
-  VectorXd mean = VectorXd::Zero(kBins);
-  MatrixXd category_means;  ///< a row each, less `mean`
-  VectorXd category_views;
-  double views = 0;
-};
-
-VectorXd meanOf(const Lessons& lessons) {
-  VectorXd mean = VectorXd::Zero(kBins);
-  forEachView(lessons.models, [&](const ModelRecord&, const ViewRecord& view) {
-    for (int i = 0; i < kBins; ++i) mean[i] += view.code[static_cast<std::size_t>(i)];
-  });
-  return mean / static_cast<double>(lessons.views);
-}
-
-Moments momentsOf(const Lessons& lessons) {
-  constexpr int kBlock = 2048;
-  Moments m;
-  m.mean = meanOf(lessons);
-  m.views = static_cast<double>(lessons.views);
-  m.category_means = MatrixXd::Zero(static_cast<Eigen::Index>(lessons.categories.size()), kBins);
-  m.category_views = VectorXd::Zero(static_cast<Eigen::Index>(lessons.categories.size()));
-  const Eigen::VectorXf mean = m.mean.cast<float>();
-  MatrixXf block(kBins, kBlock);
-  int filled = 0;
-  const auto flush = [&] {
-    MatrixXf products = MatrixXf::Zero(kBins, kBins);
-    products.selfadjointView<Eigen::Lower>().rankUpdate(block.leftCols(filled));
-    m.products += products.cast<double>();
-    filled = 0;
-  };
-  forEachView(lessons.models, [&](const ModelRecord& model, const ViewRecord& view) {
-    for (int i = 0; i < kBins; ++i)
-      block(i, filled) = static_cast<float>(view.code[static_cast<std::size_t>(i)]) - mean[i];
-    const auto category = std::lower_bound(lessons.categories.begin(), lessons.categories.end(), model.category) -
-                          lessons.categories.begin();
-    m.category_means.row(category) += block.col(filled).transpose().cast<double>();
-    m.category_views[category] += 1;
-    if (++filled == kBlock) flush();
-  });
-  flush();
-  for (Eigen::Index i = 0; i < m.category_views.size(); ++i) m.category_means.row(i) /= m.category_views[i];
-  return m;
-}
-
-/// Linear discriminant analysis: columns along which the scatter between categories is largest, best first, when the
-/// scatter inside categories is one in every direction. With W = L L' and B = C C' (C: the categories' means), the
-/// columns are L'^-1 u for the left singular vectors u of L^-1 C.
-MatrixXd discriminants(const Moments& m, int count, double shrinkage) {
-  const MatrixXd weighted = ((m.category_views / m.views).cwiseSqrt().asDiagonal() * m.category_means).transpose();
-  MatrixXd within = m.products.selfadjointView<Eigen::Lower>();
-  within = within / m.views - weighted * weighted.transpose();
-  within.diagonal().array() += shrinkage * within.trace() / kBins;
-  const Eigen::LLT<MatrixXd> cholesky(within);
-  const MatrixXd whitened = cholesky.matrixL().solve(weighted);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> spectrum(whitened.transpose() * whitened);
-  constexpr double kWeightPower = 0.25;  // of between over within: some weight to what tells more (doc/descriptor.md)
-  const int found = std::min(count, static_cast<int>(spectrum.eigenvalues().size()));
-  MatrixXd columns = MatrixXd::Zero(kBins, count);
-  for (int i = 0; i < found; ++i) {
-    const Eigen::Index from_end = spectrum.eigenvalues().size() - 1 - i;
-    const double squared = spectrum.eigenvalues()[from_end];
-    if (squared < 1e-9) break;
-    const VectorXd u = whitened * spectrum.eigenvectors().col(from_end) / std::sqrt(squared);
-    VectorXd column = cholesky.matrixL().transpose().solve(u);
-    Eigen::Index largest = 0;
-    column.cwiseAbs().maxCoeff(&largest);
-    const double sign = column[largest] < 0 ? -1 : 1;  // free; this one is reproducible
-    columns.col(i) = sign * std::pow(squared, kWeightPower) * column;
-  }
-  return columns;
-}
-
-/// Rows of integers whose largest is 127, each with the factor that takes it back.
-void roundInto(ProjectionContent& out, const Moments& m, const MatrixXd& columns) {
-  constexpr double kUnit = 4096;  // a standard deviation inside categories, before codes are brought to length
-  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
-    const double step = std::max(columns.col(k).cwiseAbs().maxCoeff(), 1e-12) / 127;
-    double bias = 0;
-    for (int i = 0; i < kBins; ++i) {
-      const auto entry = static_cast<std::int8_t>(std::lround(columns(i, k) / step));
-      out.matrix.push_back(entry);
-      bias -= entry * m.mean[i];
-    }
-    out.bias.push_back(static_cast<std::int32_t>(std::lround(bias)));
-    out.factor_q24.push_back(static_cast<std::int32_t>(std::lround(std::min(step * kUnit * (1 << 24), 2147483000.0))));
-  }
 }
 
 // ---- the lists ---------------------------------------------------------------------------------------------------
@@ -289,9 +181,16 @@ class Trainer {
     content_.views = static_cast<std::uint32_t>(lessons_.views);
     content_.models = static_cast<std::uint32_t>(lessons_.models.size());
     content_.categories = static_cast<std::uint32_t>(lessons_.categories.size());
-    const Moments moments = momentsOf(lessons_);
-    const MatrixXd columns = discriminants(moments, static_cast<int>(options_.code_bytes), options_.shrinkage);
-    roundInto(content_, moments, columns);
+    const ForEachView for_each_view = [this](const TakeView& take) {
+      for (const ModelRecord& model : lessons_.models) {
+        for (const ViewRecord& view : model.views) take(model.category, view.code.data());
+      }
+    };
+    IntegerMap map =
+        learnDiscriminants(for_each_view, kDepthBins, static_cast<int>(options_.code_bytes), options_.shrinkage);
+    content_.matrix = std::move(map.matrix);
+    content_.bias = std::move(map.bias);
+    content_.factor_q24 = std::move(map.factor_q24);
     learnLists(content_, lessons_);
   }
 

@@ -107,7 +107,7 @@ def test_compare_has_a_row_a_descriptor_and_method(comparison):
     assert (comparison["queries"], comparison["views"], comparison["every"]) == (6, 70, 8)
     names = [(row["descriptor"], row["method"]) for row in comparison["rows"]]
     assert len(set(names)) == len(names)
-    assert {(d, m) for d in ("esf", "d2", "paper_float", "paper", "default") for m in ("1nn", "vote")} <= set(names)
+    assert {(d, m) for d in ("esf", "esf_projected", "d2", "paper_float", "paper", "default") for m in ("1nn", "vote")} <= set(names)
     for row in comparison["rows"]:
         assert 0 <= row["mean_category"] <= 100 and row["top1"] <= row["top5"] <= 100
         assert row["us_per_query"] > 0
