@@ -20,8 +20,8 @@ std::string textParam(const ros::NodeHandle& node, const std::string& name) {
   return node.param<std::string>(name, "");
 }
 
-sensor_msgs::ImagePtr imageOf(const CaptureFrame& frame) {
-  auto image = boost::make_shared<sensor_msgs::Image>();
+/// Replaces the pixels and what says how they lie.
+void fillImage(const CaptureFrame& frame, sensor_msgs::Image* image) {
   image->width = static_cast<std::uint32_t>(frame.width_px);
   image->height = static_cast<std::uint32_t>(frame.height_px);
   image->step = image->width * static_cast<std::uint32_t>(frame.pixelBytes());
@@ -29,7 +29,6 @@ sensor_msgs::ImagePtr imageOf(const CaptureFrame& frame) {
       frame.sensor == Sensor::Depth ? sensor_msgs::image_encodings::TYPE_16UC1 : sensor_msgs::image_encodings::RGB8;
   image->data.resize(static_cast<std::size_t>(image->step) * image->height);
   frame.copyTo(image->data.data(), image->step);
-  return image;
 }
 
 sensor_msgs::CameraInfoPtr pinhole(const CaptureFrame& frame, const Intrinsics& in) {
@@ -138,7 +137,8 @@ void CaptureNodelet::onFrame(const CaptureFrame& frame, const Intrinsics& intrin
   const Output& output = frame.sensor == Sensor::Depth ? depth_ : colour_;
   const ros::Time stamp = stampOf(frame);
   const sensor_msgs::CameraInfoPtr info = infoFor(output, frame, intrinsics);
-  const sensor_msgs::ImagePtr image = imageOf(frame);
+  const sensor_msgs::ImagePtr image = images_.take();
+  fillImage(frame, image.get());
   image->header.stamp = info->header.stamp = stamp;
   image->header.frame_id = info->header.frame_id = output.frame_id;
   publish(output, image, info);

@@ -14,6 +14,7 @@
 #include <mutex>
 #include <string>
 
+#include "message_pool.h"
 #include "voxid/capture/capture_loop.h"
 
 namespace voxid {
@@ -63,6 +64,7 @@ class CaptureNodelet : public nodelet::Nodelet {
   ros::WallTimer timer_;
 
   // The loop's thread only.
+  MessagePool<sensor_msgs::Image> images_;
   ros::Time last_stamp_;
   std::uint64_t last_timestamp_us_ = 0;
   Sensor last_sensor_ = Sensor::Depth;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "classification_nodelet.h"
 
+#include <algorithm>
 #include <boost/bind/bind.hpp>
-#include <boost/make_shared.hpp>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "stopwatch.h"
@@ -15,18 +15,6 @@ constexpr auto kOk = static_cast<std::uint8_t>(SceneStatus::Ok);
 constexpr auto kBadInput = static_cast<std::uint8_t>(SceneStatus::BadInput);
 constexpr auto kNoIndex = static_cast<std::uint8_t>(SceneStatus::NoIndex);
 constexpr auto kNoTransform = static_cast<std::uint8_t>(SceneStatus::NoTransform);
-
-boost::shared_ptr<Objects> objectsFor(const sensor_msgs::Image& image, const Segments& segments) {
-  const auto objects = boost::make_shared<Objects>();
-  objects->header = image.header;
-  objects->camera_frame = image.header.frame_id;
-  objects->status = segments.status;
-  objects->status_text = statusText(segments.status);
-  objects->table = segments.table;
-  objects->dropped = segments.dropped;
-  objects->segment_ms = segments.segment_ms;
-  return objects;
-}
 
 void setStatus(std::uint8_t status, const std::string& sentence, Objects* objects) {
   objects->status = status;
@@ -87,6 +75,7 @@ void ClassificationNodelet::unsubscribe() {
 void ClassificationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image,
                                     const sensor_msgs::CameraInfoConstPtr& info, const SegmentsConstPtr& segments) {
   const Stopwatch watch;
+  const double helped_ms = helpersCpuMs();
   followIndex(watch_.refresh());
   const auto objects = objectsFor(*image, *segments);
   const Result<DepthView> depth = viewFor(*image, *info, *segments);
@@ -99,7 +88,7 @@ void ClassificationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image,
   objects->latency_ms = static_cast<float>((ros::Time::now() - image->header.stamp).toSec() * 1e3);
   objects_.publish(objects);
   report(*objects, depth.status);
-  health_.cost(watch.ms(), watch.cpuMs());
+  health_.cost(watch.ms(), watch.cpuMs() + std::max(0.0, helpersCpuMs() - helped_ms));
 }
 
 Result<DepthView> ClassificationNodelet::viewFor(const sensor_msgs::Image& image, const sensor_msgs::CameraInfo& info,
@@ -110,15 +99,44 @@ Result<DepthView> ClassificationNodelet::viewFor(const sensor_msgs::Image& image
   return depth;
 }
 
+boost::shared_ptr<Objects> ClassificationNodelet::objectsFor(const sensor_msgs::Image& image,
+                                                             const Segments& segments) {
+  const boost::shared_ptr<Objects> objects = pool_.take();
+  objects->header = image.header;
+  objects->camera_frame = image.header.frame_id;
+  objects->status = segments.status;
+  objects->status_text = statusText(segments.status);
+  objects->table = segments.table;
+  objects->objects.clear();
+  objects->index.clear();
+  objects->dropped = segments.dropped;
+  objects->segment_ms = segments.segment_ms;
+  return objects;
+}
+
+double ClassificationNodelet::helpersCpuMs() const { return recognisers_ ? recognisers_->helpersCpuMs() : 0; }
+
+RecogniserPool* ClassificationNodelet::recognisers(int threads) {
+  if (watch_.index() && (!recognisers_ || recognisers_->threads() != threads))
+    recognisers_ = std::make_unique<RecogniserPool>(watch_.index(), threads);
+  return recognisers_.get();
+}
+
 void ClassificationNodelet::nameAll(const DepthView& depth, const Segments& segments, Objects* objects) {
+  const ClassifyParams wanted = params();
+  RecogniserPool* const recognisers = this->recognisers(wanted.threads);
+  pixels_.clear();
   for (const Segment& segment : segments.segments) {
     objects->objects.push_back(objectOf(segment));
-    if (!recogniser_) continue;
-    const Span<const std::uint32_t> pixels{segment.pixels.data(), segment.pixels.size()};
-    fillAnswer(recogniser_->recognise(depth, pixels, params()), recogniser_->index(), &objects->objects.back());
+    pixels_.push_back({segment.pixels.data(), segment.pixels.size()});
   }
-  if (recogniser_) objects->index = recogniser_->index().path();
-  if (!recogniser_ && objects->status == kOk) setStatus(kNoIndex, watch_.trouble(), objects);
+  if (!recognisers) {
+    if (objects->status == kOk) setStatus(kNoIndex, watch_.trouble(), objects);
+    return;
+  }
+  const std::vector<Answer>& answers = recognisers->recogniseAll(depth, {pixels_.data(), pixels_.size()}, wanted);
+  for (std::size_t i = 0; i < answers.size(); ++i) fillAnswer(answers[i], recognisers->index(), &objects->objects[i]);
+  objects->index = recognisers->index().path();
 }
 
 void ClassificationNodelet::moveToTarget(Objects* objects) {
@@ -148,7 +166,8 @@ void ClassificationNodelet::report(const Objects& objects, const Status& input) 
 
 void ClassificationNodelet::followIndex(bool replaced) {
   if (replaced) {
-    recogniser_ = std::make_unique<Recogniser>(watch_.index());
+    recognisers_.reset();  // of the index before; the next frame makes new ones
+    recognisers(params().threads);
     NODELET_INFO("index %s: %u models, %u views", watch_.index()->path().c_str(), watch_.index()->header().models,
                  watch_.index()->header().views);
   }

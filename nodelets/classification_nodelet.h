@@ -12,12 +12,14 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "conversions.h"
 #include "health.h"
 #include "index_watch.h"
+#include "message_pool.h"
 #include "params.h"
-#include "recogniser.h"
+#include "recogniser_pool.h"
 
 namespace voxid {
 
@@ -43,6 +45,9 @@ class ClassificationNodelet : public nodelet::Nodelet {
   void followIndex(bool replaced);
   Result<DepthView> viewFor(const sensor_msgs::Image& image, const sensor_msgs::CameraInfo& info,
                             const Segments& segments);
+  boost::shared_ptr<Objects> objectsFor(const sensor_msgs::Image& image, const Segments& segments);
+  RecogniserPool* recognisers(int threads);
+  double helpersCpuMs() const;
   void nameAll(const DepthView& depth, const Segments& segments, Objects* objects);
   void moveToTarget(Objects* objects);
   void report(const Objects& objects, const Status& input);
@@ -52,7 +57,9 @@ class ClassificationNodelet : public nodelet::Nodelet {
   mutable std::mutex params_mutex_;
   ClassifyParams params_;
   IndexWatch watch_;
-  std::unique_ptr<Recogniser> recogniser_;
+  std::unique_ptr<RecogniserPool> recognisers_;
+  std::vector<ObjectPixels> pixels_;  // of the frame's objects
+  MessagePool<Objects> pool_;
   std::string target_frame_;
   std::unique_ptr<tf2_ros::Buffer> transforms_;
   std::unique_ptr<tf2_ros::TransformListener> transform_listener_;

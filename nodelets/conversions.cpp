@@ -65,8 +65,7 @@ Eigen::Quaterniond rotationOf(const Eigen::Matrix3f& axes) {
   return Eigen::Quaterniond(axes.cast<double>()).normalized();
 }
 
-Segment segmentOf(const Cluster& cluster) {
-  Segment segment;
+void fillSegment(const Cluster& cluster, Segment& segment) {
   segment.id = cluster.id;
   segment.pixels.assign(cluster.pixels.begin(), cluster.pixels.end());
   segment.box = regionOf(cluster.box_px);
@@ -75,7 +74,6 @@ Segment segmentOf(const Cluster& cluster) {
   segment.extents_m = vectorOf(cluster.extents_m.cast<double>());
   segment.centroid = pointOf(cluster.centroid_m.cast<double>());
   segment.truncated = cluster.truncated;
-  return segment;
 }
 
 TablePlane tableOf(const Table& table) {
@@ -174,9 +172,9 @@ void fillSegments(const Scene& scene, int width_px, int height_px, Segments* mes
   message->status = static_cast<std::uint8_t>(scene.status);
   message->width = width_px;
   message->height = height_px;
-  if (hasTable(scene.status)) message->table = tableOf(scene.table);
-  message->segments.reserve(scene.clusters.size);
-  for (const Cluster& cluster : scene.clusters) message->segments.push_back(segmentOf(cluster));
+  message->table = hasTable(scene.status) ? tableOf(scene.table) : TablePlane();
+  message->segments.resize(scene.clusters.size);
+  for (std::size_t i = 0; i < scene.clusters.size; ++i) fillSegment(scene.clusters[i], message->segments[i]);
   message->dropped.assign(scene.dropped.begin(), scene.dropped.end());
   message->valid_pixels = scene.valid_pixels;
 }

@@ -35,7 +35,8 @@ Eigen::Isometry3d eigenOf(const geometry_msgs::Transform& t);
 /// Unit, w not negative, so that equal rotations are equal numbers.
 geometry_msgs::Quaternion quaternionOf(const Eigen::Quaterniond& q);
 
-/// Pixels, boxes and table of one frame; `width_px` and `height_px` of the depth image.
+/// Pixels, boxes and table of one frame; `width_px` and `height_px` of the depth image. Replaces everything but the header and
+/// segment_ms; memory that the message has is used again.
 void fillSegments(const Scene& scene, int width_px, int height_px, Segments* message);
 
 /// Whether every pixel that the segments name lies in the image.

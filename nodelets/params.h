@@ -45,6 +45,7 @@ inline ClassifyParams paramsOf(const ClassificationConfig& config) {
   params.radius_bits = config.radius_bits;
   params.lists = config.lists;
   params.vote = config.vote;
+  params.threads = config.threads;
   params.min_score_permille = config.min_score_permille;
   return params;
 }

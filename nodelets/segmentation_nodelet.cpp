@@ -69,12 +69,12 @@ void SegmentationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image,
 boost::shared_ptr<Segments> SegmentationNodelet::segment(const Result<DepthView>& depth,
                                                          const std_msgs::Header& header) {
   const Stopwatch watch;
-  const auto segments = boost::make_shared<Segments>();
+  const boost::shared_ptr<Segments> segments = pool_.take();
   segments->header = header;
-  segments->status = static_cast<std::uint8_t>(SceneStatus::BadInput);
-  if (depth.ok())
-    fillSegments(segmenter_.segment(depth.value, params()), depth.value.width_px, depth.value.height_px,
-                 segments.get());
+  Scene unread;
+  unread.status = SceneStatus::BadInput;
+  const Scene& scene = depth.ok() ? segmenter_.segment(depth.value, params()) : unread;
+  fillSegments(scene, depth.value.width_px, depth.value.height_px, segments.get());
   segments->segment_ms = watch.ms();
   return segments;
 }

@@ -12,6 +12,7 @@
 
 #include "conversions.h"
 #include "health.h"
+#include "message_pool.h"
 #include "params.h"
 #include "voxid/geometry/segmenter.h"
 
@@ -39,6 +40,7 @@ class SegmentationNodelet : public nodelet::Nodelet {
   mutable std::mutex params_mutex_;
   SegmentParams params_;
   Segmenter segmenter_;
+  MessagePool<Segments> pool_;
   Health health_;
   ros::Publisher segments_, cloud_;
   message_filters::Subscriber<sensor_msgs::Image> image_;

@@ -17,7 +17,7 @@ namespace voxid::cli {
 
 /// How views are compared, as options.
 struct SearchChoice {
-  SearchParams params = searchParamsOf(ClassifyParams{});
+  SearchParams params;  // every view: at a desk nobody waits for the next frame
 
   void addTo(CLI::App& app);  ///< --exact, --radius, --lists
   /// BadUse for a way of searching that the index's profile does not have.

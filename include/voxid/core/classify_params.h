@@ -6,14 +6,16 @@ namespace voxid {
 
 /// How objects are named.
 struct ClassifyParams {
-  /// Compare with every view instead of the nearest buckets or lists only: exact, and some ten times the time at 240,000 views.
-  bool exact = true;
+  /// Compare with every view instead of the nearest buckets or lists only: exact, and some eight times the time of the search at 240,000 views, too long for ten objects 30 times a second.
+  bool exact = false;
   /// Hamming radius of the bucket search (Sec. IV.B, k = 4), in an index of descriptor paper. Larger finds more and costs more. [0 to 52]
   int radius_bits = 4;
   /// Nearest lists that are compared, in an index of descriptor default. More find more and cost more. [1 to 65536]
-  int lists = 32;
+  int lists = 64;
   /// Let the ten nearest views vote instead of taking the nearest alone.
   bool vote = true;
+  /// So many threads share the objects of a frame. The answer is the same with any number; more than the processor has cores cost time. [1 to 16]
+  int threads = 2;
   /// Below this score the label is left empty; alternatives stay. [0 to 1000]
   int min_score_permille = 0;
 };
@@ -25,6 +27,7 @@ void visitParams(ClassifyParams& params, Visit visit) {
   visit("radius_bits", params.radius_bits, 0, 52);
   visit("lists", params.lists, 1, 65536);
   visit("vote", params.vote, false, true);
+  visit("threads", params.threads, 1, 16);
   visit("min_score_permille", params.min_score_permille, 0, 1000);
 }
 
