@@ -2,7 +2,6 @@
 #include "classification_nodelet.h"
 
 #include <algorithm>
-#include <boost/bind/bind.hpp>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "stopwatch.h"
@@ -39,9 +38,8 @@ void ClassificationNodelet::onInit() {
                getPrivateNodeHandle().param("watch_index", true));
   followIndex(watch_.index() != nullptr);
 
-  frames_ = std::make_unique<message_filters::Synchronizer<Frame>>(Frame(8), image_, info_, segments_);
-  frames_->registerCallback(&ClassificationNodelet::onFrame, this);
-  frames_->registerDropCallback(boost::bind(&Health::dropped, &health_));
+  frames_ = std::make_unique<Frame>(8, image_, info_, segments_, this, &ClassificationNodelet::onFrame,
+                                    [this] { health_.dropped(); });
 
   // The callback may come before advertise has returned, and then must wait for the publisher.
   const std::lock_guard<std::mutex> turn(subscriptionTurn());

@@ -3,8 +3,6 @@
 
 #include <dynamic_reconfigure/server.h>
 #include <message_filters/subscriber.h>
-#include <message_filters/sync_policies/exact_time.h>
-#include <message_filters/synchronizer.h>
 #include <nodelet/nodelet.h>
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
@@ -15,6 +13,7 @@
 #include <vector>
 
 #include "conversions.h"
+#include "frame_sync.h"
 #include "health.h"
 #include "index_watch.h"
 #include "message_pool.h"
@@ -35,7 +34,7 @@ class ClassificationNodelet : public nodelet::Nodelet {
                        const SegmentsConstPtr& segments);
 
  private:
-  using Frame = message_filters::sync_policies::ExactTime<sensor_msgs::Image, sensor_msgs::CameraInfo, Segments>;
+  using Frame = FrameSync<sensor_msgs::Image, sensor_msgs::CameraInfo, Segments>;
 
   void onInit() override;
   void onListeners();
@@ -68,7 +67,7 @@ class ClassificationNodelet : public nodelet::Nodelet {
   message_filters::Subscriber<sensor_msgs::Image> image_;
   message_filters::Subscriber<sensor_msgs::CameraInfo> info_;
   message_filters::Subscriber<Segments> segments_;
-  std::unique_ptr<message_filters::Synchronizer<Frame>> frames_;
+  std::unique_ptr<Frame> frames_;
   std::unique_ptr<dynamic_reconfigure::Server<ClassificationConfig>> config_;
 };
 

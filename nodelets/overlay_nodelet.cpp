@@ -3,7 +3,6 @@
 
 #include <cv_bridge/cv_bridge.h>
 #include <sensor_msgs/image_encodings.h>
-#include <boost/bind/bind.hpp>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "conversions.h"
@@ -23,9 +22,8 @@ OverlayNodelet::~OverlayNodelet() {
 void OverlayNodelet::onInit() {
   ros::NodeHandle& node = getNodeHandle();
   health_.start(node, getPrivateNodeHandle(), getName());
-  frames_ = std::make_unique<message_filters::Synchronizer<Frame>>(Frame(8), image_, info_, segments_, objects_);
-  frames_->registerCallback(&OverlayNodelet::onFrame, this);
-  frames_->registerDropCallback(boost::bind(&Health::dropped, &health_));
+  frames_ = std::make_unique<Frame>(8, image_, info_, segments_, objects_, this, &OverlayNodelet::onFrame,
+                                    [this] { health_.dropped(); });
 
   // The callback may come before advertise has returned, and then must wait for the publishers.
   const std::lock_guard<std::mutex> turn(subscriptionTurn());

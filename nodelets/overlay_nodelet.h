@@ -2,8 +2,6 @@
 #pragma once
 
 #include <message_filters/subscriber.h>
-#include <message_filters/sync_policies/exact_time.h>
-#include <message_filters/synchronizer.h>
 #include <nodelet/nodelet.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
@@ -13,6 +11,7 @@
 #include <memory>
 #include <vector>
 
+#include "frame_sync.h"
 #include "health.h"
 
 namespace voxid {
@@ -25,8 +24,7 @@ class OverlayNodelet : public nodelet::Nodelet {
 
  private:
   // The target frame of `objects` does not matter: what belongs together has the same stamp.
-  using Frame =
-      message_filters::sync_policies::ExactTime<sensor_msgs::Image, sensor_msgs::CameraInfo, Segments, Objects>;
+  using Frame = FrameSync<sensor_msgs::Image, sensor_msgs::CameraInfo, Segments, Objects>;
 
   void onInit() override;
   void onListeners();
@@ -45,7 +43,7 @@ class OverlayNodelet : public nodelet::Nodelet {
   message_filters::Subscriber<sensor_msgs::CameraInfo> info_;
   message_filters::Subscriber<Segments> segments_;
   message_filters::Subscriber<Objects> objects_;
-  std::unique_ptr<message_filters::Synchronizer<Frame>> frames_;
+  std::unique_ptr<Frame> frames_;
 };
 
 }  // namespace voxid

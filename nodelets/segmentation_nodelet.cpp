@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "segmentation_nodelet.h"
 
-#include <boost/bind/bind.hpp>
 #include <boost/make_shared.hpp>
 #include <pluginlib/class_list_macros.hpp>
 
@@ -22,9 +21,8 @@ void SegmentationNodelet::onInit() {
   config_ = std::make_unique<dynamic_reconfigure::Server<SegmentationConfig>>(getPrivateNodeHandle());
   config_->setCallback([this](SegmentationConfig& config, std::uint32_t) { onConfig(config); });
 
-  frames_ = std::make_unique<message_filters::Synchronizer<Frame>>(Frame(4), image_, info_);
-  frames_->registerCallback(&SegmentationNodelet::onFrame, this);
-  frames_->registerDropCallback(boost::bind(&Health::dropped, &health_));
+  frames_ =
+      std::make_unique<Frame>(4, image_, info_, this, &SegmentationNodelet::onFrame, [this] { health_.dropped(); });
 
   // The callback may come before advertise has returned, and then must wait for the publishers.
   const std::lock_guard<std::mutex> turn(subscriptionTurn());

@@ -3,14 +3,13 @@
 
 #include <dynamic_reconfigure/server.h>
 #include <message_filters/subscriber.h>
-#include <message_filters/sync_policies/exact_time.h>
-#include <message_filters/synchronizer.h>
 #include <nodelet/nodelet.h>
 
 #include <memory>
 #include <mutex>
 
 #include "conversions.h"
+#include "frame_sync.h"
 #include "health.h"
 #include "message_pool.h"
 #include "params.h"
@@ -25,7 +24,7 @@ class SegmentationNodelet : public nodelet::Nodelet {
   ~SegmentationNodelet() override;
 
  private:
-  using Frame = message_filters::sync_policies::ExactTime<sensor_msgs::Image, sensor_msgs::CameraInfo>;
+  using Frame = FrameSync<sensor_msgs::Image, sensor_msgs::CameraInfo>;
 
   void onInit() override;
   void onListeners();
@@ -45,7 +44,7 @@ class SegmentationNodelet : public nodelet::Nodelet {
   ros::Publisher segments_, cloud_;
   message_filters::Subscriber<sensor_msgs::Image> image_;
   message_filters::Subscriber<sensor_msgs::CameraInfo> info_;
-  std::unique_ptr<message_filters::Synchronizer<Frame>> frames_;
+  std::unique_ptr<Frame> frames_;
   std::unique_ptr<dynamic_reconfigure::Server<SegmentationConfig>> config_;
 };
 

@@ -298,6 +298,51 @@ TEST_F(CaptureNodeletTest, IsANodeThatEndsCleanlyOnInterrupt) {
   EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 
+TEST_F(CaptureNodeletTest, TheChainSurvivesADeviceThatUnplugsInMidFrame) {
+  playFrames(2);
+  useControl();
+  for (const char* nodelet : {"capture", "segmentation", "classification"}) start(nodelet);
+  Listener<Objects> objects(node_, "objects");
+  ASSERT_TRUE(moreCome(objects));
+  for (int round = 1; round <= 3; ++round) {
+    command("corrupt 1");  // half a frame, and the device is gone
+    ASSERT_TRUE(test::eventually(10, [&] { return reports_.value("bad_frames") == std::to_string(round); }));
+    command("unplug");
+    ASSERT_TRUE(stateBecomes("lost"));
+    command("replug");
+    ASSERT_TRUE(moreCome(objects)) << round;
+  }
+  EXPECT_TRUE(test::eventually(10, [&] { return reports_.value("reconnects") == "3"; }))
+      << reports_.value("reconnects");
+}
+
+/// The whole chain in one manager.
+pid_t startManager() {
+  const pid_t child = fork();
+  if (child != 0) return child;
+  execl(VOXID_BIN "/voxid_chain_bench", "voxid_chain_bench", "--manager", static_cast<char*>(nullptr));
+  _exit(127);
+}
+
+TEST_F(CaptureNodeletTest, TheWholeChainEndsCleanlyOnInterruptAtAnyMomentOfAFrame) {
+  playFrames(2);
+  const ros::NodeHandle node("/voxid");
+  node.setParam("lcm_bridge/url", "udpm://239.255.76.67:7744?ttl=0");
+  for (const double moment_ms : {0.0, 9.0, 18.0, 27.0}) {
+    const pid_t child = startManager();
+    Listener<Objects> objects(node, "objects");
+    EXPECT_TRUE(moreCome(objects));
+    ros::WallDuration(moment_ms * 1e-3).sleep();
+    kill(child, SIGINT);
+    int status = -1;
+    const bool ended = test::eventually(10, [&] { return waitpid(child, &status, WNOHANG) == child; });
+    if (!ended) kill(child, SIGKILL);
+    ASSERT_TRUE(ended) << moment_ms;
+    ASSERT_TRUE(WIFEXITED(status)) << moment_ms << ": signal " << WTERMSIG(status);
+    EXPECT_EQ(WEXITSTATUS(status), 0) << moment_ms;
+  }
+}
+
 }  // namespace
 }  // namespace voxid
 

@@ -3,7 +3,6 @@
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
-#include <nodelet/loader.h>
 #include <ros/ros.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <tf2_ros/static_transform_broadcaster.h>
@@ -15,15 +14,13 @@
 #include <map>
 #include <mutex>
 
-#include "classification_nodelet.h"
-#include "listener.h"
-#include "overlay_nodelet.h"
+#include "chain_fixture.h"
 #include "scene_index.h"
-#include "segmentation_nodelet.h"
 
 namespace voxid {
 namespace {
 
+using test::Chain;
 using test::eventually;
 using test::imageOf;
 using test::infoOf;
@@ -48,65 +45,6 @@ class SpyClassification : public ClassificationNodelet {
 };
 std::map<ros::Time, const void*> SpyClassification::received;
 std::mutex SpyClassification::mutex;
-
-using Factory = boost::function<boost::shared_ptr<nodelet::Nodelet>(const std::string&)>;
-
-boost::shared_ptr<nodelet::Nodelet> create(const std::string& type) {
-  if (type == "voxid/segmentation") return boost::make_shared<SegmentationNodelet>();
-  if (type == "voxid/classification") return boost::make_shared<SpyClassification>();
-  return boost::make_shared<OverlayNodelet>();
-}
-
-/// Segmentation, classification and overlay in a namespace of the test's own, and a camera that shows what it is told
-/// to.
-class Chain : public testing::Test {
- protected:
-  Chain()
-      : name_(std::string("/") + testing::UnitTest::GetInstance()->current_test_info()->name()),
-        node_(name_),
-        index_path_(std::filesystem::temp_directory_path() / (name_.substr(1) + std::to_string(getpid()) + ".vxi")),
-        loader_(Factory([](const std::string& type) { return create(type); })),
-        image_(node_.advertise<sensor_msgs::Image>("depth/image_raw", 4)),
-        info_(node_.advertise<sensor_msgs::CameraInfo>("depth/camera_info", 4)) {
-    node_.setParam("classification/index", index_path_.string());
-  }
-  ~Chain() override {
-    loader_.clear();
-    std::filesystem::remove(index_path_);
-  }
-
-  void start() {
-    for (const std::string nodelet : {"segmentation", "classification", "overlay"})
-      ASSERT_TRUE(loader_.load(name_ + "/" + nodelet, "voxid/" + nodelet, {}, {}));
-  }
-
-  ros::Time show(const std::vector<std::uint16_t>& depth_mm) {
-    const ros::Time stamp = ros::Time::now();
-    sent_ = imageOf(depth_mm, stamp);
-    image_.publish(sent_);
-    info_.publish(infoOf(stamp));
-    return stamp;
-  }
-
-  /// Shows the frame until the chain, which connects in its own time, has answered one of them.
-  template <typename M>
-  boost::shared_ptr<const M> answerTo(const std::vector<std::uint16_t>& depth_mm, Listener<M>& listener) {
-    boost::shared_ptr<const M> answer;
-    eventually(10, [&] { return (answer = listener.wait(show(depth_mm), 0.5)) != nullptr; });
-    return answer;
-  }
-  ObjectsConstPtr objectsFor(const std::vector<std::uint16_t>& depth_mm) {
-    Listener<Objects> listener(node_, "objects");
-    return answerTo(depth_mm, listener);
-  }
-
-  const std::string name_;
-  ros::NodeHandle node_;
-  const std::filesystem::path index_path_;
-  nodelet::Loader loader_;
-  ros::Publisher image_, info_;
-  sensor_msgs::ImageConstPtr sent_;
-};
 
 const Object* labelled(const Objects& objects, const std::string& label) {
   for (const Object& object : objects.objects)
@@ -401,5 +339,6 @@ TEST_F(Chain, DiagnosticsSayTheState) {
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   ros::init(argc, argv, "chain_test");
+  voxid::test::Chain::makeClassification = [] { return boost::make_shared<voxid::SpyClassification>(); };
   return voxid::test::runAll();
 }
