@@ -8,6 +8,7 @@
 #include <iostream>
 
 #include "command.h"
+#include "draw_curves.h"
 #include "queries.h"
 #include "recogniser.h"
 
@@ -15,7 +16,7 @@ namespace voxid::cli {
 namespace {
 
 struct Options {
-  std::string index, queries, scenes, frames;
+  std::string index, queries, scenes, frames, plot;
   std::vector<std::string> only{"descriptor", "query"};
   int most = 400, seconds = 30;
   bool json = false, chain = false;
@@ -105,6 +106,7 @@ Status addQueryRows(const Options& options, Json& result) {
   if (wanted("query")) {
     for (Json& row : benchQueries(index.value, views.value)) result["rows"].push_back(std::move(row));
   }
+  if (!options.plot.empty()) return writeImage(options.plot, drawCurves(result["rows"]));
   return {};
 }
 
@@ -127,6 +129,8 @@ Status checked(const Options& options) {
   if (options.chain && (options.index.empty() || (options.scenes.empty() && options.frames.empty())))
     return Status::badUse("--chain needs --index FILE, and the frames to show: --scenes DIR or --frames DIR");
   if (!options.chain && !options.frames.empty()) return Status::badUse("--frames are what --chain shows: add --chain");
+  if (!options.plot.empty() && (options.queries.empty() || options.only == std::vector<std::string>{"descriptor"}))
+    return Status::badUse("--plot draws searches: it needs --queries DIR");
   if (options.queries.empty() && options.scenes.empty() && !options.chain)
     return Status::badUse("bench needs something to measure on: --queries DIR with --index FILE, or --scenes DIR");
   if (!options.queries.empty() && options.index.empty())
@@ -192,6 +196,7 @@ Run addBench(CLI::App& app) {
   app.add_option("--only", options->only, "Of the queries measure these only: descriptor, query")
       ->delimiter(',')
       ->check(CLI::IsMember({"descriptor", "query"}));
+  app.add_option("--plot", options->plot, "Draw recall over time of the searches")->type_name("PATH.png");
   app.add_option("--most", options->most, "Take at most N of the queries or scenes, evenly")
       ->type_name("N")
       ->capture_default_str()

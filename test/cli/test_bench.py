@@ -176,3 +176,18 @@ def test_bad_use(voxid, index, queries, tmp_path):
     bench(voxid, index, queries, "--only", "speed").refuses(2, "--only")
     bench(voxid, tmp_path / "none.vxi", queries).refuses(1, "none.vxi")
     bench(voxid, index, tmp_path).refuses(1, "queries.csv")
+
+
+def test_the_curves_are_drawn(voxid, index, queries, tmp_path):
+    """Every search is named in its colour, and something of these colours is in the plot."""
+    path = tmp_path / "curves.png"
+    assert voxid("bench", "--index", index, "--queries", queries, "--only", "query", "--plot", path).code == 0
+    picture = cv2.imread(str(path)).astype(int)
+    plot, names = picture[30:541, 80:717], picture[30:541, 717:]
+    colours = [[40, 30, 210], [200, 110, 30], [80, 180, 70]]  # of the scan, every view, lists
+    shown = [[(np.abs(part - colour).max(axis=2) == 0).sum() for colour in colours] for part in (plot, names)]
+    assert sum(shown[0]) >= 9 and min(shown[1]) >= 9
+
+
+def test_curves_need_queries(voxid, tmp_path):
+    voxid("bench", "--scenes", tmp_path, "--plot", tmp_path / "x.png").refuses(2, "--plot", "--queries")
