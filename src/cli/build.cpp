@@ -41,6 +41,10 @@ void printDone(const BuildReport& report, const std::string& out) {
                report.models, report.categories, static_cast<unsigned long long>(report.bytes), report.skipped.size());
 }
 
+double accuracyToExpect(const format::Confidence& confidence) {
+  return static_cast<double>(confidence.right) / confidence.samples;
+}
+
 void printDoneEvent(const BuildReport& report) {
   Json skipped = Json::array();
   for (const SkippedModel& one : report.skipped) skipped.push_back({{"model", one.model}, {"reason", one.reason}});
@@ -51,6 +55,7 @@ void printDoneEvent(const BuildReport& report) {
               {"skipped", skipped},
               {"empty_categories", report.empty_categories},
               {"calibration_samples", report.calibration_samples},
+              {"accuracy_to_expect", report.confidence ? Json(accuracyToExpect(*report.confidence)) : Json(nullptr)},
               {"bytes", report.bytes}});
 }
 

@@ -10,17 +10,18 @@
 #include "eval_queries.h"
 #include "eval_retrieval.h"
 #include "eval_scenes.h"
+#include "eval_unknown.h"
 
 namespace voxid::cli {
 namespace {
 
 struct Options {
-  std::string index, queries, confusion, unseen;
+  std::string index, queries, confusion, unseen, plot;
   CompareOptions compare;
   SceneOptions scenes;
   SearchChoice search;
   int every = 1, jobs = 1;
-  bool json = false, comparing = false, retrieval = false;
+  bool json = false, comparing = false, retrieval = false, unknown = false;
 };
 
 std::string intervalText(const Json& interval) {
@@ -87,6 +88,23 @@ Status evaluate(const Options& options, const std::shared_ptr<const Index>& inde
   return writeImage(options.confusion, drawConfusion(queries.value, evaluation.value.votes));
 }
 
+Status evaluateScores(const Options& options, const std::shared_ptr<const Index>& index) {
+  const auto queries = readQueries(options.queries, options.every);
+  if (!queries.ok()) return queries.status;
+  UnknownOptions unknown;
+  unknown.models = options.compare.models;
+  unknown.plot = options.plot;
+  unknown.jobs = options.jobs;
+  const auto result = evaluateUnknown(index, queries.value, cameraOfFolder(options.queries), unknown);
+  if (!result.ok()) return result.status;
+  if (options.json) {
+    std::cout << lineOf(result.value);
+  } else {
+    printUnknown(result.value);
+  }
+  return {};
+}
+
 Status evaluateReal(const Options& options, const std::shared_ptr<const Index>& index) {
   SceneOptions scenes = options.scenes;
   scenes.comparing = options.comparing;
@@ -135,6 +153,7 @@ Status check(const Options& options) {
   if (options.queries.empty() == options.scenes.folder.empty()) {
     return Status::badUse("eval needs either --queries DIR or --scenes DIR");
   }
+  if (options.unknown && options.queries.empty()) return Status::badUse("--unknown needs --queries DIR");
   if (options.comparing && options.compare.models.empty()) {
     return Status::badUse("--compare needs --models DIR, the folder that the index was made from");
   }
@@ -148,6 +167,7 @@ Status run(const Options& options) {
   if (!index.ok()) return index.status;
   if (const Status fits = options.search.check(*index.value); !fits.ok()) return fits;
   if (!options.scenes.folder.empty()) return evaluateReal(options, index.value);
+  if (options.unknown) return evaluateScores(options, index.value);
   return options.comparing ? compare(options, index.value) : evaluate(options, index.value);
 }
 
@@ -177,8 +197,15 @@ Run addEval(CLI::App& app) {
       app.add_flag("--retrieval", options->retrieval,
                    "Whole models asked for among whole models, instead of views; needs no index")
           ->excludes(queries, scenes, comparing);
+  CLI::Option* const unknown =
+      app.add_flag("--unknown", options->unknown,
+                   "Whether scores say how likely an answer is right, and are low where its category is not there")
+          ->excludes(comparing, retrieval, scenes);
+  app.add_option("--plot", options->plot, "With --unknown: draw the reliability diagram and the risk over the coverage")
+      ->type_name("PATH.png")
+      ->needs(unknown);
   app.add_option("--models", options->compare.models,
-                 "With --compare: the folder that the index was made from; with --retrieval: the models searched")
+                 "With --compare, --unknown: the folder that the index was made from; with --retrieval: the models searched")
       ->type_name("DIR");
   app.add_option("--unseen", options->unseen, "With --retrieval: the models asked for, <category>/<model>.<ext>")
       ->type_name("DIR")

@@ -9,6 +9,7 @@
 #include "bucket.h"
 #include "command.h"
 #include "recogniser.h"
+#include "voxid/library/confidence_learner.h"
 
 namespace voxid::cli {
 namespace {
@@ -65,6 +66,9 @@ Json toJson(const Index& index, bool with_categories) {
   json["bytes_per_view"] = bytesPerView(index);
   json["code_bytes"] = parameters.code_bytes;
   json["calibration_samples"] = index.calibration().samples;
+  const format::Confidence* const confidence = index.confidence();
+  json["confidence_samples"] = confidence ? confidence->samples : 0;
+  json["accuracy_to_expect"] = confidence ? Json(1.0 * confidence->right / confidence->samples) : Json(nullptr);
   json["licences"] = licencesOf(index);
   if (with_categories) json["category_list"] = categoriesOf(index);
   return json;
@@ -74,6 +78,17 @@ void printCategories(const Index& index) {
   for (const format::Category& category : index.categories()) {
     std::printf("  %-28s %6u models\n", std::string(index.string(category.name)).c_str(), category.models);
   }
+}
+
+void printExpectation(const Index& index) {
+  const format::Confidence* const confidence = index.confidence();
+  if (confidence == nullptr) {
+    std::printf("expect       not known: fewer than %u models in categories of three or more, or made before format 1.2\n",
+                kConfidenceModels);
+    return;
+  }
+  std::printf("expect       %.1f %% of answers right for objects that are not in it, of categories that are (%u of its own views)\n",
+              100.0 * confidence->right / confidence->samples, confidence->samples);
 }
 
 void printForPeople(const Index& index, bool with_categories) {
@@ -90,6 +105,7 @@ void printForPeople(const Index& index, bool with_categories) {
   const std::uint32_t samples = index.calibration().samples;
   std::printf("calibration  %s\n",
               samples ? (std::to_string(samples) + " queries of its own models").c_str() : "built in");
+  printExpectation(index);
   for (const Json& entry : licencesOf(index)) {
     const auto licence = entry["licence"].get<std::string>();
     std::printf("licence      %s: %u models\n", licence.empty() ? "not stated" : licence.c_str(),

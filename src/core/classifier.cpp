@@ -3,36 +3,13 @@
 
 #include <algorithm>
 
+#include "vote.h"
+#include "voxid/core/confidence.h"
+
 namespace voxid {
 namespace {
 
-constexpr std::size_t kVoters = 10;
 constexpr std::uint32_t kAllPermille = 1000;
-constexpr std::uint32_t kNoCategory = 0xffffffff;
-
-// exp(-3 i / 256) in 1/2^30, by repeated multiplication with exp(-3 / 256) in 1/2^32; beyond 5 d1 (6e-6) zero.
-constexpr int kWeightSteps = 256;
-constexpr int kWeights = 4 * kWeightSteps + 1;
-using Weights = std::array<std::uint32_t, kWeights>;
-
-constexpr Weights makeWeights() {
-  constexpr std::uint64_t kFactor = 4244929411;
-  Weights weights{};
-  std::uint64_t weight = std::uint64_t{1} << 30;
-  for (std::uint32_t& entry : weights) {
-    entry = static_cast<std::uint32_t>(weight);
-    weight = weight * kFactor >> 32;
-  }
-  return weights;
-}
-constexpr Weights kWeightTable = makeWeights();
-
-std::uint32_t weightOf(std::uint32_t distance, std::uint32_t nearest) {
-  if (distance <= nearest) return kWeightTable[0];
-  if (nearest == 0) return 0;
-  const std::uint64_t step = std::uint64_t{distance - nearest} * kWeightSteps / nearest;
-  return step < kWeights ? kWeightTable[step] : 0;
-}
 
 struct Candidate {
   std::uint32_t category = kNoCategory;
@@ -44,15 +21,6 @@ bool ranksBefore(const Candidate& a, const Candidate& b) {
   if (a.weight != b.weight) return a.weight > b.weight;
   if (a.nearest.distance != b.nearest.distance) return a.nearest.distance < b.nearest.distance;
   return a.category < b.category;
-}
-
-// kNoCategory for a view that leads nowhere, possible only in a damaged file.
-std::uint32_t categoryOf(const Index& index, Neighbour found) {
-  if (found.view >= index.viewCount()) return kNoCategory;
-  const std::uint32_t model = index.modelOf(found.view);
-  if (model >= index.models().size) return kNoCategory;
-  const std::uint32_t category = index.models()[model].category;
-  return category < index.categories().size ? category : kNoCategory;
 }
 
 // Categories, at most as many as an answer lists.
@@ -111,8 +79,10 @@ std::uint32_t marginOf(Span<const Neighbour> categories, std::uint32_t parts) {
   return d2 == 0 ? 0 : static_cast<std::uint32_t>(std::uint64_t{parts} * (d2 - d1) / d2);
 }
 
-// A vote that goes against the nearest category has no margin.
+// By the curve, a vote that goes against the nearest category has no margin.
 std::uint32_t scoreOf(const Index& index, const Nearest& nearest, std::uint32_t first_category) {
+  if (const format::Confidence* const confidence = index.confidence(); confidence != nullptr)
+    return confidencePermille(*confidence, confidenceFeatures(index, nearest, first_category));
   constexpr std::uint32_t kBins = format::Calibration::kBins;
   const bool agrees = first_category == categoryOf(index, nearest.categories[0]);
   const std::uint32_t bin = agrees ? std::min(marginOf(nearest.categories, kBins), kBins - 1) : 0;

@@ -174,11 +174,18 @@ Fault checkCalibration(const Index& index) {
   return allZero(curve.zero) ? Fault() : "the calibration's padding is not zero";
 }
 
+Fault checkConfidence(const Index& index) {
+  const format::Confidence* const confidence = index.confidence();
+  if (confidence == nullptr) return {};
+  if (confidence->samples == 0 || confidence->right > confidence->samples) return "the confidence's samples are wrong";
+  return allZero(confidence->zero) ? Fault() : "the confidence's padding is not zero";
+}
+
 }  // namespace
 
 Status Index::verify() const {
   for (const auto check : {checkSums, checkPadding, checkCategories, checkModels, checkViews, checkBuckets, checkMeans,
-                           checkCalibration}) {
+                           checkCalibration, checkConfidence}) {
     const Fault fault = check(*this);
     if (!fault.empty()) {
       return Status::damaged("the index " + path_ + " is damaged: " + fault +

@@ -13,6 +13,7 @@
 #include "render_models.h"
 #include "shard.h"
 #include "voxid/core/index.h"
+#include "voxid/library/confidence_learner.h"
 #include "voxid/library/index_writer.h"
 #include "voxid/library/shrink_codes.h"
 #include "voxid/library/views.h"
@@ -112,12 +113,12 @@ class Builder {
     const auto index = Index::open(draft);
     if (!index.ok()) return index.status;
     content_.calibration = calibrate(index.value, queriesOf(*index.value));
-    std::remove(draft.c_str());
-    status = writeIndex(content_, options_.out);
+    status = writeWithConfidence(content_, draft, options_.out);
     if (!status.ok()) return status;
     std::error_code ignored;
     report_.bytes = fs::file_size(options_.out, ignored);
     report_.calibration_samples = static_cast<int>(content_.calibration.samples);
+    report_.confidence = content_.confidence;
     return {};
   }
 

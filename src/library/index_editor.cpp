@@ -9,6 +9,7 @@
 
 #include "parts_folder.h"
 #include "voxid/core/index.h"
+#include "voxid/library/confidence_learner.h"
 
 namespace voxid {
 namespace {
@@ -75,6 +76,9 @@ class WriterLock {
   bool held_ = false, was_there_ = false;
 };
 
+/// In the folder that WriterLock makes.
+std::string draftOf(const std::string& index) { return index + ".parts/draft.vxi"; }
+
 Status edit(const std::string& path, const std::function<Status(IndexContent&)>& change) {
   WriterLock lock;
   Status status = lock.lock(path);
@@ -82,7 +86,7 @@ Status edit(const std::string& path, const std::function<Status(IndexContent&)>&
   Result<IndexContent> content = contentOf(path);
   status = content.status;
   if (content.ok()) status = change(content.value);
-  return status.ok() ? writeIndex(content.value, path) : status;
+  return status.ok() ? writeWithConfidence(content.value, draftOf(path), path) : status;
 }
 
 }  // namespace
@@ -174,7 +178,7 @@ Status mergeIndices(const std::vector<std::string>& paths, const std::string& ou
     status = part.ok() ? mergeInto(whole.value, part.value, clash) : part.status;
     if (!status.ok() && part.ok()) status.sentence = paths[i] + ": " + status.sentence;
   }
-  return status.ok() ? writeIndex(whole.value, out) : status;
+  return status.ok() ? writeWithConfidence(whole.value, draftOf(out), out) : status;
 }
 
 }  // namespace voxid

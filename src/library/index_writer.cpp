@@ -24,11 +24,12 @@ constexpr std::uint64_t kMaxEntries = 0xfffffffe;
 
 /// In the order in which they are written.
 using Tags = std::vector<const char*>;
-Tags tagsOf(const Profile& profile, bool senses) {
+Tags tagsOf(const IndexContent& content, bool senses) {
   Tags tags{"PARM", "CATS", "MODL", "DIRS", "VIEW", "CODE", "KEYS", "BKTO", "BKTV", "STRS", "CALB"};
-  if (profile.projection)
+  if (content.profile.projection)
     tags = {"PARM", "CATS", "MODL", "DIRS", "VIE4", "PROJ", "CODE", "MEAN", "KEYS", "BKTO", "BKTV", "STRS", "CALB"};
   if (senses) tags.push_back("SYNS");
+  if (content.confidence) tags.push_back("CONF");
   return tags;
 }
 
@@ -80,6 +81,8 @@ std::string faultOf(const IndexContent& content, const Models& models) {
   if (!std::is_sorted(std::begin(curve), std::end(curve)) || *(std::end(curve) - 1) > 1000) {
     return "the calibration does not rise from 0 to 1000 at most";
   }
+  if (content.confidence && (content.confidence->samples == 0 || content.confidence->right > content.confidence->samples))
+    return "the confidence has no samples, or more right ones than samples";
   std::uint64_t views = 0;
   const ModelRecord* before = nullptr;
   for (const ModelRecord* const model : models) {
@@ -363,6 +366,7 @@ format::Header headerOf(const IndexContent& content, const Tables& tables, const
   header.major = format::kMajor;
   header.minor = content.profile.projection ? format::kMinor : std::uint16_t{0};
   if (!tables.senses.empty()) header.minor = std::max(header.minor, format::kMinorSenses);
+  if (content.confidence) header.minor = std::max(header.minor, format::kMinorConfidence);
   header.header_bytes = sizeof header;
   header.categories = static_cast<std::uint32_t>(tables.categories.size());
   header.models = static_cast<std::uint32_t>(tables.models.size());
@@ -377,7 +381,7 @@ void writeSections(FileBeside& file, const IndexContent& content, const Models& 
   const format::Parameters parameters = parametersOf(content.profile);
   format::Calibration calibration = content.calibration;
   std::fill(std::begin(calibration.zero), std::end(calibration.zero), std::uint8_t{0});
-  SectionWriter out(file, tagsOf(content.profile, !tables.senses.empty()));
+  SectionWriter out(file, tagsOf(content, !tables.senses.empty()));
   out.section(&parameters, sizeof parameters);
   out.section(tables.categories);
   out.section(tables.models);
@@ -396,6 +400,11 @@ void writeSections(FileBeside& file, const IndexContent& content, const Models& 
   out.section(tables.strings.bytes().data(), tables.strings.bytes().size());
   out.section(&calibration, sizeof calibration);
   if (!tables.senses.empty()) out.section(tables.senses);
+  if (content.confidence) {
+    format::Confidence confidence = *content.confidence;
+    std::fill(std::begin(confidence.zero), std::end(confidence.zero), std::uint8_t{0});
+    out.section(&confidence, sizeof confidence);
+  }
   out.finish(headerOf(content, tables, parameters));
 }
 
@@ -456,6 +465,7 @@ Result<IndexContent> readContent(const Index& index) {
   content.profile = index.profile();
   content.directions.assign(index.directions().begin(), index.directions().end());
   content.calibration = index.calibration();
+  if (index.confidence() != nullptr) content.confidence = *index.confidence();
   for (const format::Model& model : index.models()) {
     if (leadsNowhere(index, model)) {
       return Status::damaged("the index " + index.path() + " is damaged: a model's views lead nowhere; " +

@@ -26,4 +26,15 @@ void shrinkToMean(const std::vector<std::uint8_t*>& codes, std::size_t code_byte
   }
 }
 
+// Moved codes sum to kOwn + kMean times what the own ones do.
+void takeBackFromMean(const std::uint8_t* codes, std::size_t views, std::size_t code_bytes, std::uint8_t* code) {
+  std::array<std::int64_t, Projection::kMostCodeBytes> back{};
+  for (std::size_t i = 0; i < code_bytes; ++i) {
+    std::int64_t sum = 0;
+    for (std::size_t view = 0; view < views; ++view) sum += number(codes + view * code_bytes, i);
+    back[i] = (kOwn + kMean) * static_cast<std::int64_t>(views) * number(code, i) - kMean * sum;
+  }
+  bringToLength(back.data(), code_bytes, code);
+}
+
 }  // namespace voxid

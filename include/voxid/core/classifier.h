@@ -27,8 +27,9 @@ struct Answer {
   std::array<Alternative, kMaxAlternatives> alternatives{};  ///< best first; [0] is the answer
   int count = 0;
   std::uint32_t margin_permille = 0;  ///< 1000 (d2 - d1) / d2 of the two nearest categories; 1000 if there is one only
-  std::uint16_t score_permille = 0;   ///< chance that the first is right: the index's calibration at this margin, at
-                                      ///< margin 0 if the vote went against the nearest category
+  std::uint16_t score_permille = 0;   ///< chance that the first is right (confidence.h). In an index without section
+                                      ///< CONF its calibration at this margin, at margin 0 if the vote went against
+                                      ///< the nearest category
   bool known = false;                 ///< score_permille >= min_score_permille: below, the label is to be left empty
 };
 

@@ -50,6 +50,8 @@ class Index {
   std::uint32_t modelOf(std::uint32_t view) const;
   Span<const format::Direction> directions() const { return directions_; }
   const format::Calibration& calibration() const { return *calibration_; }
+  /// Null in an index that has none: then calibration() counts.
+  const format::Confidence* confidence() const { return confidence_; }
 
   /// The stored bytes of a view, code_bytes of them.
   const std::uint8_t* code(std::uint32_t view) const { return codes_ + std::size_t{view} * parameters_->code_bytes; }
@@ -97,6 +99,7 @@ class Index {
   Span<const format::Section> sections_;
   const format::Parameters* parameters_ = nullptr;
   const format::Calibration* calibration_ = nullptr;
+  const format::Confidence* confidence_ = nullptr;
   Span<const format::Category> categories_;
   Span<const format::Model> models_;
   std::shared_ptr<const Projection> projection_;

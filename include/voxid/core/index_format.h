@@ -9,8 +9,9 @@ namespace voxid::format {
 
 constexpr char kMagic[8] = {'V', 'O', 'X', 'I', 'D', 'X', '\r', '\n'};  ///< a copy in text mode breaks it
 constexpr std::uint16_t kMajor = 1;                                     ///< a reader refuses any other
-constexpr std::uint16_t kMinor = 1;                                     ///< 1 in files of profile "default", 0 in "paper"
+constexpr std::uint16_t kMinor = 1;                                     ///< of "default"; "paper" has 0
 constexpr std::uint16_t kMinorSenses = 2;                               ///< of files with SYNS, at least
+constexpr std::uint16_t kMinorConfidence = 2;                           ///< of files with CONF, at least
 constexpr std::uint64_t kAlignment = 64;
 constexpr std::uint32_t kMaxSections = 64;
 
@@ -120,5 +121,18 @@ static_assert(sizeof(Calibration) == 128, "CALB is 128 bytes");
 
 /// SYNS, once, or not at all (no category has a sense, or made before format 1.2): 4 bytes a category, in the order of
 /// CATS: offset into STRS of the synset's name as NLTK writes it ("mug.n.04"), 0 = not known.
+
+/// CONF, once, or not at all (an index of few models, or made before format 1.2): how likely an answer is right, as a
+/// logistic function of voxid::ConfidenceFeatures, learnt from views of the index's own models, each asked for with its
+/// own model left out. It takes the place of CALB.
+struct Confidence {
+  static constexpr int kFeatures = 9;
+  static constexpr std::int32_t kUnit = 1 << 20;
+  std::uint32_t samples;  ///< views asked for, at least one
+  std::uint32_t right;    ///< of those that were named rightly by vote: the accuracy to expect
+  std::int32_t bias, weights[kFeatures];  ///< log odds in 1/kUnit: bias + sum of weight x feature
+  std::uint8_t zero[16];
+};
+static_assert(sizeof(Confidence) == 64, "CONF is 64 bytes");
 
 }  // namespace voxid::format

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,7 @@ struct BuildReport {
   int categories = 0, models = 0, views = 0;  ///< in the index
   std::uint64_t bytes = 0;                    ///< of the index
   int calibration_samples = 0;                ///< 0: too few models, the built-in curve was taken
+  std::optional<format::Confidence> confidence;  ///< empty: too few models to learn how far answers may be trusted
   std::vector<SkippedModel> skipped;          ///< by name
   std::vector<std::string> empty_categories;  ///< folders without a readable model, by name
 };

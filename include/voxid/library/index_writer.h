@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,7 @@ struct IndexContent {
   std::vector<format::Direction> directions;  ///< at most 256; what the views' directions refer to
   std::vector<ModelRecord> models;
   format::Calibration calibration{};
+  std::optional<format::Confidence> confidence;  ///< section CONF
 };
 
 /// The curve that is used where a library is too small to learn its own (fewer than 200 calibration queries): that of
@@ -43,9 +45,9 @@ format::Calibration builtInCalibration(const Profile& profile);
 
 /// Writes a .vxi file beside `path`, fsyncs and renames: readers see the old file or the new one, whole. The bytes
 /// depend on the content only. Refuses (CannotDo) what a reader could not rely on: no model at all, a model without a
-/// view, two models of one category with the same name, two synsets or senses for one category, an empty category or model name,
-/// views that do not ascend or name no direction, a code of another length, a calibration that falls, parameters out of
-/// range. Nothing is left beside `path` if it fails.
+/// view, two models of one category with the same name, two synsets or senses for one category, an empty category or model
+/// name, views that do not ascend or name no direction, a code of another length, a calibration that falls, a confidence
+/// of no samples, parameters out of range. Nothing is left beside `path` if it fails.
 Status writeIndex(const IndexContent& content, const std::string& path);
 
 /// The content of an index, such that writing it gives the same bytes again. The index should have passed `verify`;
