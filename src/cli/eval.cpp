@@ -7,6 +7,7 @@
 #include "command.h"
 #include "compare_codes.h"
 #include "compare.h"
+#include "eval_memory.h"
 #include "eval_queries.h"
 #include "eval_retrieval.h"
 #include "eval_scenes.h"
@@ -21,7 +22,7 @@ struct Options {
   SceneOptions scenes;
   SearchChoice search;
   int every = 1, jobs = 1;
-  bool json = false, comparing = false, retrieval = false, unknown = false;
+  bool json = false, comparing = false, retrieval = false, unknown = false, memory = false;
 };
 
 std::string intervalText(const Json& interval) {
@@ -105,6 +106,21 @@ Status evaluateScores(const Options& options, const std::shared_ptr<const Index>
   return {};
 }
 
+Status evaluateFrames(const Options& options, const std::shared_ptr<const Index>& index) {
+  MemoryOptions memory;
+  memory.models = options.unseen;
+  memory.search = options.search;
+  memory.jobs = options.jobs;
+  const auto result = evaluateMemory(index, memory);
+  if (!result.ok()) return result.status;
+  if (options.json) {
+    std::cout << lineOf(result.value);
+  } else {
+    printMemory(result.value);
+  }
+  return {};
+}
+
 Status evaluateReal(const Options& options, const std::shared_ptr<const Index>& index) {
   SceneOptions scenes = options.scenes;
   scenes.comparing = options.comparing;
@@ -149,7 +165,12 @@ Status checkRetrieval(const Options& options) {
 
 Status check(const Options& options) {
   if (options.retrieval) return checkRetrieval(options);
+  if (!options.unseen.empty() && !options.memory) return Status::badUse("--unseen is for --retrieval and --memory");
   if (options.index.empty()) return Status::badUse("--index is required, except with --retrieval; see --help");
+  if (options.memory) {
+    return options.unseen.empty() ? Status::badUse("--memory needs --unseen DIR, models that the index does not hold")
+                                  : Status();
+  }
   if (options.queries.empty() == options.scenes.folder.empty()) {
     return Status::badUse("eval needs either --queries DIR or --scenes DIR");
   }
@@ -166,6 +187,7 @@ Status run(const Options& options) {
   const auto index = Index::open(options.index);
   if (!index.ok()) return index.status;
   if (const Status fits = options.search.check(*index.value); !fits.ok()) return fits;
+  if (options.memory) return evaluateFrames(options, index.value);
   if (!options.scenes.folder.empty()) return evaluateReal(options, index.value);
   if (options.unknown) return evaluateScores(options, index.value);
   return options.comparing ? compare(options, index.value) : evaluate(options, index.value);
@@ -207,9 +229,12 @@ Run addEval(CLI::App& app) {
   app.add_option("--models", options->compare.models,
                  "With --compare, --unknown: the folder that the index was made from; with --retrieval: the models searched")
       ->type_name("DIR");
-  app.add_option("--unseen", options->unseen, "With --retrieval: the models asked for, <category>/<model>.<ext>")
-      ->type_name("DIR")
-      ->needs(retrieval);
+  app.add_flag("--memory", options->memory,
+               "What several frames say more than one: models of --unseen on a circle of twelve frames")
+      ->excludes(queries, scenes, comparing, retrieval, unknown);
+  app.add_option("--unseen", options->unseen,
+                 "With --retrieval, --memory: the models asked for, <category>/<model>.<ext>")
+      ->type_name("DIR");
   app.add_option("--every", options->every,
                  "Take each N-th query only; with --compare every query, and each N-th view of the index")
       ->type_name("N")

@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::int32_t kOctave = 256, kMostOctaves = 4, kWhole = 1024, kPerModel = 64;
 constexpr std::size_t kThird = 2, kTenth = 9;
+constexpr std::size_t kAgreeing = 20;  // nearest views whose models are counted
 
 // log2(x + 1) in 1/256; between powers of two linear.
 std::int32_t logOf(std::uint32_t x) {
@@ -61,9 +62,9 @@ std::int32_t shareOf(const Index& index, Span<const Neighbour> views, std::uint3
 }
 
 std::int32_t modelsAmong(const Index& index, Span<const Neighbour> views, std::uint32_t category) {
-  std::array<std::uint32_t, kNearestViews> met{};
+  std::array<std::uint32_t, kAgreeing> met{};
   auto* end = met.begin();
-  for (std::size_t i = 0; i < std::min<std::size_t>(views.size, kNearestViews); ++i) {
+  for (std::size_t i = 0; i < std::min(views.size, kAgreeing); ++i) {
     if (categoryOf(index, views[i]) != category) continue;
     const std::uint32_t model = index.modelOf(views[i].view);
     if (std::find(met.begin(), end, model) == end) *end++ = model;
@@ -105,7 +106,7 @@ ConfidenceFeatures confidenceFeatures(const Index& index, const Nearest& nearest
           spreadTo(nearest.categories, kThird),
           spreadTo(nearest.categories, kTenth),
           shareOf(index, nearest.views, category, kVoters),
-          shareOf(index, nearest.views, category, kNearestViews),
+          shareOf(index, nearest.views, category, kAgreeing),
           agreeing * kPerModel,
           size,
           agreeing * kPerModel * size / 256};

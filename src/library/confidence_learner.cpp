@@ -95,7 +95,7 @@ std::vector<Sample> samplesOf(const std::shared_ptr<const Index>& index, const s
   std::vector<Sample> samples(asked.size());
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
-    const auto search = makeExactSearch(index);
+    const auto search = makeSearch(index, {});
     for (std::size_t i = next++; i < asked.size(); i = next++) samples[i] = sampleOf(*index, asked[i], *search);
   };
   std::vector<std::thread> threads;

@@ -35,7 +35,7 @@ TEST(ConfidenceLearner, SaysHowOftenTheVoteIsRight) {
   const auto learnt = learnConfidence(index);
   ASSERT_TRUE(learnt);
   EXPECT_EQ(learnt->samples, 480u);
-  const auto search = makeExactSearch(index);
+  const auto search = makeSearch(index, {});
   std::uint32_t right = 0;
   double said = 0, said_clear = 0;
   for (std::uint32_t view = 0; view < index->viewCount(); ++view) {

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Objects keep their number from frame to frame, and what every frame said about them. No clock: time comes in.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "voxid/core/evidence.h"
+#include "voxid/core/span.h"
+
+namespace voxid {
+
+struct MemoryParams {
+  int gate_mm = 50;    ///< an object that is seen farther than this from where it was is another one, or was moved
+  int keep_ms = 3000;  ///< an object that is not seen is remembered so long: a hand before it, a frame without it
+  int half_life_ms = 10000;  ///< what was seen so long ago counts half
+};
+
+/// One cluster of a frame, in a frame that the table rests in.
+struct Sighting {
+  Eigen::Vector3f position_m{0, 0, 0};  ///< centre of the box of the visible points
+  Eigen::Vector3f extents_m{0, 0, 0};   ///< along the box's axes; the third is the height above the table
+};
+
+/// For one camera and one index. All memory is taken at construction; update and remember allocate nothing.
+class ObjectMemory {
+ public:
+  static constexpr std::size_t kMostTracks = 128;
+  static constexpr std::int64_t kSettledAfter_ms = 1000;   ///< then a label is left only for a clearly better one
+  static constexpr std::int64_t kExchangedAfter_ms = 250;  ///< what looks like another thing for so long is one
+
+  explicit ObjectMemory(std::size_t categories);
+
+  /// Starts a frame: each sighting is given the number of the object that it is, 1, 2, ... in the order of their first
+  /// sight, never used again. Sightings and objects are paired by their distance on the table, the nearest pair first,
+  /// each at most once, none farther than the gate. A thing whose size has changed suddenly (a quarter and a
+  /// centimetre, for kExchangedAfter_ms) is another one. `time_us` goes back: everything is forgotten. `up` is the
+  /// table's normal; zero: distances are taken in space. Sightings beyond kMostTracks get number 0 and are not
+  /// remembered. The result has the order of the sightings and holds until the next call.
+  Span<const std::uint32_t> update(std::int64_t time_us, const Eigen::Vector3f& up, Span<const Sighting> sightings,
+                                   const MemoryParams& params);
+
+  /// What this frame and those before say about the i-th sighting of the last update. If the object has looked like
+  /// another one for kExchangedAfter_ms (its category lies half as far again as it used to), it is one from then on:
+  /// its number is new.
+  Answer remember(std::size_t sighting, const Index& index, const Nearest& nearest, const Answer& answer,
+                  int min_score_permille);
+
+  /// The number of the i-th sighting; as from update, unless remember has found that it was exchanged.
+  std::uint32_t numberOf(std::size_t sighting) const { return numbers_[sighting]; }
+
+ private:
+  struct Track {
+    std::uint32_t number = 0;  // 0: free
+    std::int64_t first_us = 0, last_us = 0, remembered_us = 0;
+    std::int64_t size_changed_us = 0, look_changed_us = 0;  // since when it looks otherwise; 0: it does not
+    Eigen::Vector3f position_m, extents_m;
+  };
+  struct Pair {
+    float distance_m;
+    std::uint32_t sighting, track;
+  };
+
+  void forgetOld(std::int64_t time_us, const MemoryParams& params);
+  void pairUp(const Eigen::Vector3f& up, Span<const Sighting> sightings, float gate_m);
+  void begin(Track& track, const Sighting& sighting);
+  void follow(Track& track, const Sighting& sighting);
+  void startAnew(Track& track);
+  Track* freeTrack();
+
+  std::vector<Track> tracks_;
+  std::vector<Evidence> evidence_;  // by track
+  std::vector<Pair> pairs_;
+  std::vector<std::uint32_t> numbers_, track_of_;  // by sighting
+  std::uint32_t last_number_ = 0;
+  std::int64_t now_us_ = 0;
+  MemoryParams params_;
+};
+
+}  // namespace voxid

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxid/geometry/object_memory.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace voxid {
+namespace {
+
+constexpr std::uint32_t kNoTrack = 0xffffffff;
+constexpr std::size_t kMostSightings = 256;
+constexpr int kHold = 16;
+constexpr float kMmPerM = 1000;
+
+bool sizeDiffers(const Eigen::Vector3f& now_m, const Eigen::Vector3f& usual_m) {
+  constexpr float kShare = 0.25f, kLeast_m = 0.01f;
+  const Eigen::Array3f change = (now_m - usual_m).array().abs();
+  return (change > kShare * usual_m.array() && change > kLeast_m).any();
+}
+
+// Notes since when something is so; whether that is long enough.
+bool lasts(bool is_so, std::int64_t now_us, std::int64_t& since_us) {
+  if (!is_so)
+    since_us = 0;
+  else if (since_us == 0)
+    since_us = now_us;
+  return is_so && now_us - since_us >= ObjectMemory::kExchangedAfter_ms * 1000;
+}
+
+}  // namespace
+
+ObjectMemory::ObjectMemory(std::size_t categories)
+    : tracks_(kMostTracks), evidence_(kMostTracks, Evidence(categories)) {
+  pairs_.reserve(kMostTracks * kMostSightings);
+  numbers_.reserve(kMostSightings);
+  track_of_.reserve(kMostSightings);
+}
+
+Span<const std::uint32_t> ObjectMemory::update(std::int64_t time_us, const Eigen::Vector3f& up,
+                                               Span<const Sighting> sightings, const MemoryParams& params) {
+  params_ = params;
+  forgetOld(time_us, params);
+  now_us_ = time_us;
+  const std::size_t count = std::min(sightings.size, kMostSightings);
+  numbers_.assign(count, 0);
+  track_of_.assign(count, kNoTrack);
+  pairUp(up, {sightings.data, count}, static_cast<float>(params.gate_mm) / kMmPerM);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (track_of_[i] != kNoTrack) {
+      follow(tracks_[track_of_[i]], sightings[i]);
+    } else if (Track* const track = freeTrack()) {
+      begin(*track, sightings[i]);
+      track_of_[i] = static_cast<std::uint32_t>(track - tracks_.data());
+    }
+    if (track_of_[i] != kNoTrack) numbers_[i] = tracks_[track_of_[i]].number;
+  }
+  return {numbers_.data(), numbers_.size()};
+}
+
+// A clock that went back (a recording that begins anew) leaves nothing that could be compared.
+void ObjectMemory::forgetOld(std::int64_t time_us, const MemoryParams& params) {
+  for (Track& track : tracks_) {
+    if (time_us < now_us_ || time_us - track.last_us > std::int64_t{params.keep_ms} * 1000) track.number = 0;
+  }
+}
+
+void ObjectMemory::pairUp(const Eigen::Vector3f& up, Span<const Sighting> sightings, float gate_m) {
+  pairs_.clear();
+  for (std::uint32_t i = 0; i < sightings.size; ++i) {
+    for (std::uint32_t k = 0; k < tracks_.size(); ++k) {
+      if (tracks_[k].number == 0) continue;
+      const Eigen::Vector3f apart = sightings[i].position_m - tracks_[k].position_m;
+      const float distance_m = (apart - up * up.dot(apart)).norm();
+      if (distance_m <= gate_m) pairs_.push_back({distance_m, i, k});
+    }
+  }
+  std::sort(pairs_.begin(), pairs_.end(), [this](const Pair& a, const Pair& b) {
+    if (a.distance_m != b.distance_m) return a.distance_m < b.distance_m;
+    if (a.sighting != b.sighting) return a.sighting < b.sighting;
+    return tracks_[a.track].number < tracks_[b.track].number;
+  });
+  std::array<bool, kMostTracks> taken{};
+  for (const Pair& pair : pairs_) {
+    if (taken[pair.track] || track_of_[pair.sighting] != kNoTrack) continue;
+    taken[pair.track] = true;
+    track_of_[pair.sighting] = pair.track;
+  }
+}
+
+void ObjectMemory::begin(Track& track, const Sighting& sighting) {
+  startAnew(track);
+  track.last_us = now_us_;
+  track.position_m = sighting.position_m;
+  track.extents_m = sighting.extents_m;
+}
+
+void ObjectMemory::startAnew(Track& track) {
+  track.number = ++last_number_;
+  track.first_us = now_us_;
+  track.size_changed_us = track.look_changed_us = 0;
+  evidence_[static_cast<std::size_t>(&track - tracks_.data())].clear();
+}
+
+// The usual size follows what is seen, as when the camera moves, but not a sudden change.
+void ObjectMemory::follow(Track& track, const Sighting& sighting) {
+  constexpr float kFollow = 0.25f;
+  track.last_us = now_us_;
+  track.position_m = sighting.position_m;
+  const bool differs = sizeDiffers(sighting.extents_m, track.extents_m);
+  if (lasts(differs, now_us_, track.size_changed_us)) return begin(track, sighting);
+  if (!differs) track.extents_m += kFollow * (sighting.extents_m - track.extents_m);
+}
+
+ObjectMemory::Track* ObjectMemory::freeTrack() {
+  const auto found = std::find_if(tracks_.begin(), tracks_.end(), [](const Track& t) { return t.number == 0; });
+  return found == tracks_.end() ? nullptr : &*found;
+}
+
+Answer ObjectMemory::remember(std::size_t sighting, const Index& index, const Nearest& nearest, const Answer& answer,
+                              int min_score_permille) {
+  if (sighting >= track_of_.size() || track_of_[sighting] == kNoTrack || answer.count == 0) return answer;
+  Track& track = tracks_[track_of_[sighting]];
+  Evidence& evidence = evidence_[track_of_[sighting]];
+  if (!evidence.empty()) evidence.forget((now_us_ - track.remembered_us) / 1000, params_.half_life_ms);
+  track.remembered_us = now_us_;
+  const std::uint32_t usual = evidence.meanDistance();
+  evidence.add(index, nearest, answer);
+  const bool differs = usual > 0 && evidence.lastDistance() > usual + usual / 2;
+  if (lasts(differs, now_us_, track.look_changed_us)) {
+    startAnew(track);
+    evidence.add(index, nearest, answer);
+    numbers_[sighting] = track.number;
+  }
+  const bool settled = now_us_ - track.first_us >= kSettledAfter_ms * 1000;
+  return evidence.answer(index, min_score_permille, settled ? kHold : 0);
+}
+
+}  // namespace voxid

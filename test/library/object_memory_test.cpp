@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxid/geometry/object_memory.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/index_fixture.h"
+
+namespace voxid {
+namespace {
+
+using Eigen::Vector3f;
+using Numbers = std::vector<std::uint32_t>;
+
+/// Three categories of one model with ten views; thirty frames a second.
+class ObjectMemoryTest : public testing::Test {
+ protected:
+  static constexpr int kFrame_us = 33333;
+
+  ObjectMemoryTest() : index_(test::writtenIndex(folder_, test::randomContent(3, 1, 10, 1))) {}
+
+  Numbers frame(const std::vector<Sighting>& sightings) {
+    now_us_ += kFrame_us;
+    const auto numbers = memory_.update(now_us_, Vector3f::UnitZ(), {sightings.data(), sightings.size()}, params_);
+    return {numbers.begin(), numbers.end()};
+  }
+  void pass(int frames) { now_us_ += frames * kFrame_us; }
+
+  /// The label after a frame with these distances of the categories.
+  std::uint32_t look(std::uint32_t first, std::uint32_t second, std::uint32_t third = 1000) {
+    std::vector<Neighbour> categories{{0, first}, {10, second}, {20, third}};
+    std::sort(categories.begin(), categories.end());
+    const Nearest nearest{{categories.data(), 3}, {categories.data(), 3}, 30};
+    const Answer alone = classify(*index_, nearest, ClassifyMethod::Vote, 0);
+    return memory_.remember(0, *index_, nearest, alone, 0).alternatives[0].category;
+  }
+
+  static Sighting at(float x, float y, float z = 0.05f, const Vector3f& size = {0.1f, 0.08f, 0.1f}) {
+    return {{x, y, z}, size};
+  }
+
+  test::Folder folder_;
+  std::shared_ptr<const Index> index_;
+  MemoryParams params_;
+  ObjectMemory memory_{3};
+  std::int64_t now_us_ = 1000000;
+};
+
+TEST_F(ObjectMemoryTest, NumbersFollowTheObjectsWhateverTheOrder) {
+  EXPECT_EQ(frame({at(0, 0), at(0.3f, 0)}), (Numbers{1, 2}));
+  EXPECT_EQ(frame({at(0.31f, 0), at(0.01f, 0)}), (Numbers{2, 1}));
+  EXPECT_EQ(frame({at(0.32f, 0), at(0.02f, 0, 0.2f), at(0.6f, 0)}), (Numbers{2, 1, 3})) << "height does not count";
+}
+
+TEST_F(ObjectMemoryTest, EachIsTakenOnceAndTheNearestPairComesFirst) {
+  frame({at(0, 0)});
+  EXPECT_EQ(frame({at(0.03f, 0), at(0.01f, 0)}), (Numbers{2, 1}));
+}
+
+TEST_F(ObjectMemoryTest, AMovedObjectHasANewNumberAtOnce) {
+  frame({at(0, 0)});
+  EXPECT_EQ(frame({at(0.051f, 0)}), (Numbers{2}));
+}
+
+TEST_F(ObjectMemoryTest, OcclusionIsToleratedForSeconds) {
+  frame({at(0, 0), at(0.3f, 0)});
+  pass(60);
+  EXPECT_EQ(frame({at(0.3f, 0)}), (Numbers{2}));
+  pass(28);
+  EXPECT_EQ(frame({at(0, 0)}), (Numbers{1})) << "2.97 s after it was seen last";
+  pass(91);
+  EXPECT_EQ(frame({at(0, 0)}), (Numbers{3})) << "more than 3 s";
+}
+
+TEST_F(ObjectMemoryTest, AnotherSizeInTheSamePlaceIsNoticedWithinHalfASecond) {
+  frame({at(0, 0)});
+  int frames = 0;
+  while (frame({at(0, 0, 0.05f, {0.14f, 0.08f, 0.1f})})[0] == 1) ASSERT_LT(++frames, 30);
+  EXPECT_LE((frames + 1) * kFrame_us, 500000);
+  EXPECT_GE(frames, 6) << "a frame or two of another size are noise";
+}
+
+TEST_F(ObjectMemoryTest, ASizeThatChangesSlowlyIsTheSameObjects) {
+  for (int i = 0; i < 100; ++i) {
+    const float width_m = 0.1f + 0.001f * static_cast<float>(i);
+    ASSERT_EQ(frame({at(0, 0, 0.05f, {width_m, 0.08f, 0.1f})})[0], 1u) << i;
+  }
+}
+
+TEST_F(ObjectMemoryTest, ABriefChangeOfSizeLeavesTheObject) {
+  for (int i = 0; i < 40; ++i) {
+    const bool hidden = i % 10 >= 6;  // four frames of ten
+    ASSERT_EQ(frame({at(0, 0, 0.05f, {hidden ? 0.05f : 0.1f, 0.08f, 0.1f})})[0], 1u) << i;
+  }
+}
+
+TEST_F(ObjectMemoryTest, AnotherThingOfTheSameSizeIsNoticedWithinHalfASecond) {
+  for (int i = 0; i < 60; ++i) {
+    frame({at(0, 0)});
+    ASSERT_EQ(look(100, 300), 0u);
+  }
+  int frames = 0;
+  do {
+    frame({at(0, 0)});
+    ASSERT_LT(++frames, 30);
+  } while (look(300, 100) != 1);
+  EXPECT_LE(frames * kFrame_us, 500000);
+  EXPECT_EQ(memory_.numberOf(0), 2u);
+  frame({at(0, 0)});
+  EXPECT_EQ(memory_.numberOf(0), 2u);
+}
+
+TEST_F(ObjectMemoryTest, NoiseChangesTheLabelAtMostOnceAfterTheFirstSecond) {
+  test::Random random(5);
+  std::uint32_t label = 9;
+  int changes = 0;
+  for (int i = 0; i < 900; ++i) {
+    frame({at(0, 0)});
+    const auto noise = [&] { return static_cast<std::uint32_t>(random.below(60)); };
+    const std::uint32_t now = look(100 + noise(), 102 + noise(), 105 + noise());
+    if (i > 30) changes += now != label;
+    label = now;
+  }
+  EXPECT_LE(changes, 1);
+  EXPECT_EQ(memory_.numberOf(0), 1u);
+}
+
+TEST_F(ObjectMemoryTest, TimeThatGoesBackForgetsEverything) {
+  frame({at(0, 0)});
+  now_us_ -= 10 * kFrame_us;
+  EXPECT_EQ(frame({at(0, 0)}), (Numbers{2}));
+}
+
+TEST_F(ObjectMemoryTest, MoreThanFitGetNoNumber) {
+  std::vector<Sighting> many;
+  for (int i = 0; i < 150; ++i) many.push_back(at(0.2f * static_cast<float>(i), 0));
+  const Numbers numbers = frame(many);
+  EXPECT_EQ(numbers[127], 128u);
+  EXPECT_EQ(numbers[128], 0u);
+  EXPECT_EQ(numbers.size(), 150u);
+  EXPECT_EQ(frame({}), Numbers{});
+}
+
+}  // namespace
+}  // namespace voxid
