@@ -185,7 +185,7 @@ def test_the_curves_are_drawn(voxid, index, queries, tmp_path):
     picture = cv2.imread(str(path)).astype(int)
     plot, names = picture[30:541, 80:717], picture[30:541, 717:]
     colours = [[40, 30, 210], [200, 110, 30], [80, 180, 70]]  # of the scan, every view, lists
-    shown = [[(np.abs(part - colour).max(axis=2) == 0).sum() for colour in colours] for part in (plot, names)]
+    shown = [[(np.abs(part - colour).max(axis=2) < 60).sum() for colour in colours] for part in (plot, names)]
     assert sum(shown[0]) >= 9 and min(shown[1]) >= 9
 
 
