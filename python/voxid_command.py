@@ -10,6 +10,9 @@ def run(program, command, arguments):
     if command == "acquire":
         from voxid.acquire import command as acquire
         return acquire.run(program, arguments)
+    if command == "build":
+        from voxid import distribute
+        return distribute.run(program, arguments)
     if command == "library":
         from voxid.acquire import list_library
         return list_library.run(arguments)

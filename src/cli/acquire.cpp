@@ -1,54 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// voxid acquire, library: written in Python (python/voxid); this file finds it and hands over.
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
-#include <memory>
-#include <string>
-#include <system_error>
-#include <vector>
-
+// voxid acquire, library: written in Python (python/voxid).
 #include "command.h"
+#include "python.h"
 
 namespace voxid::cli {
 namespace {
-
-namespace fs = std::filesystem;
-
-constexpr char kPython[] = "/usr/bin/python3";  // Debian's, which knows NLTK and OpenCV, also where another comes first
-
-/// Beside the command as installed (bin/, share/) or as built (bin/, python/); empty if neither is there.
-fs::path findScript(const fs::path& program) {
-  const fs::path root = program.parent_path().parent_path();
-  for (const char* const folder : {"share/voxid/python", "python"}) {
-    fs::path script = root / folder / "voxid_command.py";
-    std::error_code error;
-    if (fs::exists(script, error)) return script;
-  }
-  return {};
-}
-
-/// Becomes Python; returns only if that fails.
-Status handOver(const char* command, const std::vector<std::string>& arguments) {
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (error) return Status::cannotDo("/proc/self/exe: " + error.message());
-  const fs::path script = findScript(program);
-  if (script.empty()) {
-    return Status::cannotDo("voxid_command.py is neither in share/voxid/python nor in python beside the folder of " +
-                            program.string() + "; scripts/build or an installation puts it there");
-  }
-  // -B: nothing is written where voxid lies; -E, -s: no module of the user's takes the place of ours.
-  std::vector<std::string> words = {kPython, "-B", "-E", "-s", script.string(), program.string(), command};
-  words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  execv(kPython, argv.data());
-  return Status::cannotDo(std::string(kPython) + ": " + std::strerror(errno));
-}
 
 Run addPython(CLI::App& app, const char* command) {
   app.set_help_flag();   // --help too is Python's to answer

@@ -5,9 +5,11 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "build_progress.h"
 #include "command.h"
+#include "python.h"
 #include "voxid/library/builder.h"
 #include "voxid/library/shipped_projection.h"
 
@@ -76,6 +78,13 @@ struct DescriptorChoice {
                 ->check(CLI::Range(1, 1000000));
   }
 
+  /// As given, for another process.
+  void addTo(std::vector<std::string>& arguments) const {
+    arguments.insert(arguments.end(), {"--descriptor", descriptor});
+    if (!projection.empty()) arguments.insert(arguments.end(), {"--projection", projection});
+    if (pairs->count() > 0) arguments.insert(arguments.end(), {"--pairs", std::to_string(params.pairs)});
+  }
+
   Result<Profile> profile() const {
     if (descriptor == "paper") {
       if (!projection.empty()) return Status::badUse("--projection is for --descriptor default");
@@ -88,16 +97,43 @@ struct DescriptorChoice {
   }
 };
 
-Status run(const BuildOptions& options, bool json) {
+/// Where the work is done, besides this process.
+struct Places {
+  int workers = 0;  ///< processes of a local cluster; 0 = none
+  std::string scheduler, part;
+
+  bool elsewhere() const { return workers > 0 || !scheduler.empty(); }
+};
+
+/// K/N, K below N.
+Result<BuildPart> partOf(const std::string& text) {
+  BuildPart part;
+  char end = 0;
+  if (std::sscanf(text.c_str(), "%d/%d%c", &part.part, &part.parts, &end) == 2 && part.part >= 0 && part.part < part.parts) return part;
+  return Status::badUse("--part " + text + ": expected K/N, such as 0/4, K below N");
+}
+
+Status distribute(const BuildOptions& options, const DescriptorChoice& choice, const Places& places, bool json) {
+  std::vector<std::string> arguments = {"--models", options.models, "--out", options.out, "--views-every", std::to_string(options.views_every)};
+  choice.addTo(arguments);
+  if (options.resume) arguments.push_back("--resume");
+  if (json) arguments.push_back("--json");
+  if (places.workers > 0) arguments.insert(arguments.end(), {"--workers", std::to_string(places.workers)});
+  if (!places.scheduler.empty()) arguments.insert(arguments.end(), {"--scheduler", places.scheduler});
+  return handOver("build", arguments);
+}
+
+Result<BuildReport> runPart(const BuildOptions& options, const std::string& text, BuildListener& listener) {
+  const Result<BuildPart> part = partOf(text);
+  return part.ok() ? buildPart(options, part.value, listener) : part.status;
+}
+
+Status run(const BuildOptions& options, const std::string& part, bool json) {
   ::signal(SIGXFSZ, SIG_IGN);  // a file size limit is then an error of write(), with a sentence
-  Result<BuildReport> report = Status::cannotDo("not built");
-  if (json) {
-    JsonListener listener;
-    report = buildIndex(options, listener);
-  } else {
-    ProgressBar listener;
-    report = buildIndex(options, listener);
-  }
+  JsonListener events;
+  ProgressBar bar;
+  BuildListener& listener = json ? static_cast<BuildListener&>(events) : bar;
+  const Result<BuildReport> report = part.empty() ? buildIndex(options, listener) : runPart(options, part, listener);
   if (!report.ok()) return report.status;
   printSkipped(report.value.skipped);
   printEmpty(report.value);
@@ -120,11 +156,20 @@ Run addBuild(CLI::App& app) {
   const auto choice = std::make_shared<DescriptorChoice>();
   choice->addTo(app);
   app.add_flag("--json", *json, "Events as JSON, one a line on standard output");
-  return [options, json, choice] {
+  const auto places = std::make_shared<Places>();
+  CLI::Option* const workers = app.add_option("--workers", places->workers, "Spread the models over so many workers of Dask on this machine");
+  workers->check(CLI::Range(1, 1024))->type_name("N");
+  CLI::Option* const scheduler = app.add_option("--scheduler", places->scheduler, "Spread them over the workers of this Dask scheduler");
+  scheduler->type_name("tcp://HOST:PORT")->excludes(workers);
+  app.add_option("--part", places->part, "Finish every N-th model from number K on, in OUT.parts, and end; --resume takes them")
+      ->type_name("K/N")
+      ->excludes(workers, scheduler);
+  return [options, json, choice, places] {
     auto profile = choice->profile();
     if (!profile.ok()) return profile.status;
+    if (places->elsewhere()) return distribute(*options, *choice, *places, *json);
     options->profile = std::move(profile.value);
-    return run(*options, *json);
+    return run(*options, places->part, *json);
   };
 }
 

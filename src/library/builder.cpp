@@ -54,7 +54,37 @@ class Builder {
     return std::move(report_);
   }
 
+  Result<BuildReport> buildPart(const BuildPart& part) {
+    Status status = check(options_);
+    if (!status.ok()) return status;
+    if (part.parts < 1 || part.part < 0 || part.part >= part.parts) return Status::badUse("there is no such part; expected 0 to parts - 1");
+    Result<ModelFolder> folder = listModels(options_.models);
+    if (!folder.ok()) return folder.status;
+    for (std::size_t i = static_cast<std::size_t>(part.part); i < folder.value.models.size(); i += static_cast<std::size_t>(part.parts)) {
+      folder_.models.push_back(std::move(folder.value.models[i]));
+    }
+    status = parts_.join(options_.out);
+    if (status.ok() && !folder_.models.empty()) status = renderModels(work(), died_);
+    if (status.ok()) countShards();
+    if (!status.ok()) return status;
+    return std::move(report_);
+  }
+
  private:
+  void countShards() {
+    for (std::size_t i = 0; i < folder_.models.size(); ++i) {
+      const ModelFile& model = folder_.models[i];
+      const auto died = died_.find(static_cast<int>(i));
+      const Result<ModelViews> shard = readShard(shardOf(model), originOf(model));
+      if (died != died_.end() || shard.value.views.empty()) {
+        report_.skipped.push_back({model.file, died != died_.end() ? died->second : shard.value.refusal});
+        continue;
+      }
+      ++report_.models;
+      report_.views += static_cast<int>(shard.value.views.size());
+    }
+  }
+
   Status nothing(const std::string& why) { return Status::nothingFound(why); }
 
   RenderWork work() const {
@@ -146,5 +176,9 @@ class Builder {
 }  // namespace
 
 Result<BuildReport> buildIndex(const BuildOptions& options, BuildListener& listener) { return Builder(options, listener).build(); }
+
+Result<BuildReport> buildPart(const BuildOptions& options, const BuildPart& part, BuildListener& listener) {
+  return Builder(options, listener).buildPart(part);
+}
 
 }  // namespace voxid

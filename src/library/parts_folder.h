@@ -34,6 +34,14 @@ class PartsFolder {
     return {};
   }
 
+  /// Beside others, who keep each other out or divide the work.
+  Status join(const std::string& out) {
+    path_ = out + ".parts";
+    std::error_code error;
+    std::filesystem::create_directory(path_, error);
+    return error ? Status::cannotDo("cannot make " + path_ + ": " + error.message()) : Status{};
+  }
+
   void remove() {
     std::error_code ignored;
     std::filesystem::remove_all(path_, ignored);

@@ -77,7 +77,7 @@ def test_a_reader_that_dies_or_hangs_is_a_reason(tmp_path, monkeypatch, body, re
     monkeypatch.setattr(judge, "SECONDS", 1)
     start = time.monotonic()
     verdict = judge.judge(str(program), tmp_path / "a.ply")
-    assert reason in verdict.reason and verdict.bins is None
+    assert reason in verdict.reason and verdict.shape is None
     assert time.monotonic() - start < 10
 
 

@@ -52,4 +52,14 @@ class BuildListener {
 /// range. Damaged: library.json. NothingFound: no model is left. If it fails, `out` is as it was before.
 Result<BuildReport> buildIndex(const BuildOptions& options, BuildListener& listener);
 
+/// Every `parts`-th model, from number `part` on.
+struct BuildPart {
+  int part = 0, parts = 1;
+};
+
+/// The work of buildIndex on a part of the models, up to the finished models in <out>.parts, which a buildIndex with
+/// `resume` takes: so several processes, on several machines that share the folder, make one index. The report counts
+/// models and views and lists what is skipped. Nobody is kept out; two that make the same model write the same bytes.
+Result<BuildReport> buildPart(const BuildOptions& options, const BuildPart& part, BuildListener& listener);
+
 }  // namespace voxid

@@ -75,33 +75,34 @@ class Gatherer:
             raise failure
 
     def _known(self):
-        """(key, bins) of the library's models; each is described once, for good."""
+        """(key, shape) of the library's models; each is described once, for good."""
         described = self._library.described(self._category)
         known = []
         for key, note in self._library.kept(self._category):
             digest = note.get("sha256") or checksum(self._library.root / key)
             if digest not in described:
-                described[digest] = judge.judge(self._program, self._library.root / key).bins
+                described[digest] = judge.judge(self._program, self._library.root / key).shape
             if described[digest] is not None:
                 known.append((key, described[digest]))
         return known, described
 
     def without_duplicates(self, found):
-        """Drops what has the shape or the bytes of an earlier one, or of one that the library has already. Also the bins of
-        what is in the library, and of all by SHA-256."""
+        """Drops what has the shape or the bytes of an earlier one, or of one that the library has already. Also the shapes
+        of what is in the library, and of all by SHA-256."""
         known, described = self._known() if found else ([], {})
-        old = [bins for _, bins in known]
+        old = [shape for _, shape in known]
+        known = [(key, shape.bins) for key, shape in known]
         digests = {note.get("sha256"): key for key, note in self._library.kept(self._category)}
         result = []
         for one in found:
             if not one.verdict.reason:
-                twin = digests.get(one.digest) or judge.duplicate_of(one.verdict.bins, known)
+                twin = digests.get(one.digest) or judge.duplicate_of(one.verdict.shape.bins, known)
                 if twin:
                     one = one._replace(verdict=one.verdict._replace(reason=f"the same shape as {twin}"))
                 else:
-                    known.append((one.key, one.verdict.bins))
+                    known.append((one.key, one.verdict.shape.bins))
                     digests[one.digest] = one.key
-                    described[one.digest] = one.verdict.bins
+                    described[one.digest] = one.verdict.shape
             result.append(one)
         return result, old, described
 
@@ -109,7 +110,7 @@ class Gatherer:
 def ranked(found, old):
     """(strangeness, found) of those that pass, the most usual first; then those dropped."""
     passed = [one for one in found if not one.verdict.reason]
-    strange = judge.strangeness(old + [one.verdict.bins for one in passed])[len(old):]
+    strange = judge.strangeness([shape.views for shape in old + [one.verdict.shape for one in passed]])[len(old):]
     by_strangeness = sorted(zip(strange, passed), key=lambda pair: (pair[0], pair[1].key))
     return by_strangeness, [one for one in found if one.verdict.reason]
 

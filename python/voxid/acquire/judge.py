@@ -19,9 +19,13 @@ THINNEST = 1e-3  # the second longest side, as a share of the longest; less is a
 # See difference(). Turned and scaled copies stay below it, other shapes above (doc/acquisition.md).
 SAME_SHAPE = 0.03
 NEIGHBOURS = 3
+VIEWS_EVERY = 8
+FARTHEST = 254 * 64 ** 0.5  # between two codes of signed bytes
 
-# `reason` says why a candidate was dropped, empty if it was not; `bins` are the 416 of the whole model.
-Verdict = collections.namedtuple("Verdict", "reason triangles bins thumbnail")
+# `reason` says why a candidate was dropped, empty if it was not; `shape` is its Shape.
+Verdict = collections.namedtuple("Verdict", "reason triangles shape thumbnail")
+# `bins`: the 416 of the whole model; `views`: codes of some of its views, a row a view.
+Shape = collections.namedtuple("Shape", "bins views")
 
 
 def _limit():
@@ -81,21 +85,41 @@ def _wrong_with(described):
     return ""
 
 
+def describe(program, mesh):
+    """(what `voxid describe` prints, reason)."""
+    out, reason = _run(program, "describe", mesh, "--json", "--views-every", VIEWS_EVERY)
+    return (None, reason) if reason else (json.loads(out), "")
+
+
+def shape_of(described):
+    views = np.array(described.get("views", []), np.int8).reshape(len(described.get("views", [])), -1)
+    return Shape(np.array(described["bins"], np.int32), views)
+
+
 def judge(program, mesh):
     """What a mesh file is, by `voxid describe` and `voxid render`."""
-    out, reason = _run(program, "describe", mesh, "--json")
+    described, reason = describe(program, mesh)
     if reason:
         return Verdict(reason, 0, None, None)
-    described = json.loads(out)
     reason, thumbnail = _wrong_with(described), None
     if not reason:
         thumbnail, reason = _thumbnail(program, mesh)
-    return Verdict(reason, described.get("triangles", 0), np.array(described["bins"], np.int32), thumbnail)
+    return Verdict(reason, described.get("triangles", 0), shape_of(described), thumbnail)
 
 
 def difference(a, b):
     """L1 distance of two descriptors as a share of the most that is possible, the sum of both: 0 to 1."""
     return float(np.abs(a - b).sum()) / max(1, int(a.sum() + b.sum()))
+
+
+def view_difference(a, b):
+    """Each view's Euclidean distance to the other model's nearest, averaged over the views of both: 0 to 1."""
+    if not len(a) or not len(b):
+        return 1.0
+    a, b = a.astype(np.float32), b.astype(np.float32)
+    squares = (a ** 2).sum(1)[:, None] + (b ** 2).sum(1)[None] - 2 * a @ b.T
+    table = np.sqrt(np.maximum(squares, 0))
+    return float(table.min(1).mean() + table.min(0).mean()) / 2 / FARTHEST
 
 
 def duplicate_of(bins, others):
@@ -104,13 +128,17 @@ def duplicate_of(bins, others):
     return near[1] if near[0] < SAME_SHAPE else None
 
 
-def strangeness(all_bins):
-    """For each of a class its mean distance to its three nearest others; the outliers have the largest."""
-    if len(all_bins) < 2:
-        return [0.0] * len(all_bins)
-    table = np.array([[difference(a, b) for b in all_bins] for a in all_bins])
-    np.fill_diagonal(table, np.inf)
-    nearest = np.sort(table, axis=1)[:, :min(NEIGHBOURS, len(all_bins) - 1)]
+def strangeness(all_views):
+    """For each of a class its mean distance to its three nearest others; the outliers have the largest. What has no views
+    is as strange as can be."""
+    count = len(all_views)
+    if count < 2:
+        return [0.0] * count
+    table = np.full((count, count), np.inf)
+    for i in range(count):
+        for k in range(i):
+            table[i, k] = table[k, i] = view_difference(all_views[i], all_views[k])
+    nearest = np.sort(table, axis=1)[:, :min(NEIGHBOURS, count - 1)]
     return nearest.mean(axis=1).tolist()
 
 

@@ -9,10 +9,12 @@ import pathlib
 
 import numpy as np
 
+from voxid.acquire.judge import Shape
 from voxid.failure import CANNOT_DO, DAMAGED, Failure
 
 
 DESCRIBED = ".described.json"
+CODE_BYTES = 64  # of the shipped projection
 
 
 def checksum(path):
@@ -41,6 +43,11 @@ def write_whole(path, data):
         os.fsync(folder)
     finally:
         os.close(folder)
+
+
+def _shape(bins, views):
+    bins = np.frombuffer(bytes.fromhex(bins), np.uint8).astype(np.int32)
+    return Shape(bins, np.frombuffer(bytes.fromhex(views), np.int8).reshape(-1, CODE_BYTES))
 
 
 class Library:
@@ -88,18 +95,18 @@ class Library:
         write_whole(target, mesh.read_bytes())
 
     def described(self, category):
-        """SHA-256 -> the bins of models of a category that were described before, so that no run does it again."""
+        """SHA-256 -> the shape of models of a category that were described before, so that no run does it again."""
         try:
             texts = json.loads((self.root / category / DESCRIBED).read_text())
-            return {digest: np.frombuffer(bytes.fromhex(text), np.uint8).astype(np.int32) for digest, text in texts.items()}
+            return {digest: _shape(*pair) for digest, pair in texts.items()}
         except (OSError, ValueError, AttributeError, TypeError):
             return {}  # made anew
 
-    def save_described(self, category, bins):
+    def save_described(self, category, shapes):
         """Of what the library keeps; the rest is forgotten."""
         kept = {note.get("sha256") for _, note in self.kept(category)}
-        texts = {digest: bins[digest].astype(np.uint8).tobytes().hex() for digest in sorted(kept & set(bins))
-                 if bins[digest] is not None}
+        texts = {digest: [shapes[digest].bins.astype(np.uint8).tobytes().hex(), shapes[digest].views.tobytes().hex()]
+                 for digest in sorted(kept & set(shapes)) if shapes[digest] is not None}
         target = self.root / category / DESCRIBED
         text = json.dumps(texts, indent=0).encode()
         if texts and not (target.exists() and target.read_bytes() == text):
