@@ -49,14 +49,15 @@ def test_a_mesh_is_drawn_as_the_command_line_draws_it(voxid, models, image):
     assert (clean > 0).sum() > (depth > 0).sum() > 1000
 
 
-def test_the_nearest_views_are_those_that_numpy_finds(index, image):
+def test_the_nearest_views_are_among_those_that_numpy_finds(index, image):
+    """The search measures what it found anew, by codes moved towards their category's mean."""
     opened = voxid_module.Index.open(str(index))
     code = voxid_module.describe(image, None, CAMERA)
     assert code.dtype == np.int8 and np.array_equal(code, opened.describe(image, image > 0, CAMERA))
     views, distances = opened.nearest(code, 5)
     expected = ((opened.codes.astype(np.int64) - code) ** 2).sum(axis=1)
-    order = np.lexsort((np.arange(len(opened)), expected))[:5]
-    assert views.tolist() == order.tolist() and distances.tolist() == expected[order].tolist()
+    assert set(views) <= set(np.argsort(expected, kind="stable")[:20])
+    assert len(views) == 5 and (np.diff(distances.astype(np.int64)) >= 0).all()
     category, model, direction = opened.place_of(views[0])
     assert (opened.categories[category], opened.models[model]) == ("tin", "tin_a") and 0 <= direction < 80
     assert not opened.codes.flags.writeable
@@ -79,8 +80,10 @@ def test_a_paper_index_is_asked_with_bins(paper_index, image):
     opened = voxid_module.Index.open(str(paper_index))
     code = opened.describe(image, None, CAMERA)
     assert code.dtype == np.uint8 and code.shape == (416,)
-    views, distances = opened.nearest(code, 1)
-    assert distances[0] == np.abs(opened.codes.astype(int) - code).sum(axis=1).min()
+    views, distances = opened.nearest(code, 5)
+    expected = np.abs(opened.codes.astype(int) - code).sum(axis=1)
+    order = np.lexsort((np.arange(len(opened)), expected))[:5]
+    assert views.tolist() == order.tolist() and distances.tolist() == expected[order].tolist()
 
 
 @pytest.mark.parametrize("call", [
