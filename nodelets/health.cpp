@@ -33,9 +33,15 @@ void Health::listening(bool somebody) {
 void Health::frame(const ros::Time& stamp, const std::string& status) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++frames_;
+  ++counts_["frames_" + status];
   last_status_ = status;
   last_stamp_ = stamp;
   last_arrival_ = ros::SteadyTime::now();
+}
+
+void Health::count(const std::string& name, std::uint64_t more) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  counts_[name] += more;
 }
 
 void Health::cost(double ms, double cpu_ms) {
@@ -74,6 +80,7 @@ void Health::publish(diagnostic_updater::DiagnosticStatusWrapper& status) {
   summarise(status);
   status.add("frames", frames_);
   status.add("dropped", dropped_);
+  for (const auto& [name, count] : counts_) status.add(name, count);
   status.add("last_status", last_status_);
   status.add("last_ms", last_ms_);
   status.add("worst_ms", worst_ms_);

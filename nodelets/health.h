@@ -5,6 +5,7 @@
 #include <ros/ros.h>
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -23,6 +24,8 @@ class Health {
 
   void listening(bool somebody);  ///< false: nobody subscribes, so there is no work
   void frame(const ros::Time& stamp, const std::string& status);
+  /// Adds to a counter of its own name: what was dropped, and why.
+  void count(const std::string& name, std::uint64_t more);
   /// Time on the clock and on processors that a frame took, publishing included.
   void cost(double ms, double cpu_ms);
   void dropped();  ///< a frame that was overtaken by a newer one, or came without its camera_info
@@ -38,6 +41,7 @@ class Health {
   Level level_ = Level::Ok;
   bool listening_ = false;
   std::uint64_t frames_ = 0, dropped_ = 0;
+  std::map<std::string, std::uint64_t> counts_;  // frames by status, and what count() adds to
   double last_ms_ = 0, worst_ms_ = 0, cpu_ms_ = 0;
   ros::Time last_stamp_;
   ros::SteadyTime last_arrival_;

@@ -6,6 +6,7 @@
 
 #include "stopwatch.h"
 #include "turns.h"
+#include "voxid/geometry/heights.h"
 
 namespace voxid {
 
@@ -28,13 +29,23 @@ void SegmentationNodelet::onInit() {
   const std::lock_guard<std::mutex> turn(subscriptionTurn());
   const ros::SubscriberStatusCallback changed = [this](const ros::SingleSubscriberPublisher&) { onListeners(); };
   segments_ = node.advertise<Segments>("segments", 2, changed, changed);
-  cloud_ = node.advertise<sensor_msgs::PointCloud2>("cloud", 1, changed, changed);
+  const auto advertiseCloud = [&](const char* topic) {
+    return node.advertise<sensor_msgs::PointCloud2>(topic, 1, changed, changed);
+  };
+  cloud_ = advertiseCloud("cloud");
+  if (!getPrivateNodeHandle().param("debug", false)) return;
+  debug_table_ = advertiseCloud("debug/table");
+  debug_above_ = advertiseCloud("debug/above_table");
+  debug_clusters_ = advertiseCloud("debug/clusters");
 }
 
 void SegmentationNodelet::onListeners() {
   const std::lock_guard<std::mutex> turn(subscriptionTurn());
   if (closing_) return;
-  const bool wanted = segments_.getNumSubscribers() + cloud_.getNumSubscribers() > 0;
+  std::uint32_t listeners = segments_.getNumSubscribers();
+  for (const ros::Publisher* cloud : {&cloud_, &debug_table_, &debug_above_, &debug_clusters_})
+    if (*cloud) listeners += cloud->getNumSubscribers();
+  const bool wanted = listeners > 0;
   const bool subscribed = static_cast<bool>(image_.getSubscriber());
   if (wanted == subscribed) return;
   health_.listening(wanted);
@@ -58,8 +69,10 @@ void SegmentationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image,
   const Result<DepthView> depth = viewOf(*image, *info);
   const auto segments = segment(depth, image->header);
   segments_.publish(segments);
-  if (depth.ok()) publishCloud(depth.value, *segments);
+  if (depth.ok()) publishClouds(depth.value, *segments);
   health_.frame(image->header.stamp, statusName(segments->status));
+  for (std::size_t i = 0; i < segments->dropped.size(); ++i)
+    health_.count(std::string("clusters_") + nameOf(static_cast<DropReason>(i)), segments->dropped[i]);
   health_.cost(watch.ms(), watch.cpuMs());
   health_.reason(depth.ok() ? Health::Level::Ok : Health::Level::Error, depth.status.sentence);
 }
@@ -77,9 +90,29 @@ boost::shared_ptr<Segments> SegmentationNodelet::segment(const Result<DepthView>
   return segments;
 }
 
-void SegmentationNodelet::publishCloud(const DepthView& depth, const Segments& segments) {
-  if (cloud_.getNumSubscribers() == 0) return;
-  cloud_.publish(boost::make_shared<sensor_msgs::PointCloud2>(cloudOf(depth, segments)));
+void SegmentationNodelet::publishClouds(const DepthView& depth, const Segments& segments) {
+  const auto listened = [](const ros::Publisher& cloud) { return cloud && cloud.getNumSubscribers() > 0; };
+  for (const ros::Publisher* coloured : {&cloud_, &debug_clusters_})
+    if (listened(*coloured)) coloured->publish(boost::make_shared<sensor_msgs::PointCloud2>(cloudOf(depth, segments)));
+  const SegmentParams limits = params();
+  if (listened(debug_table_))
+    publishBand(debug_table_, depth, segments, -limits.min_height_mm, limits.min_height_mm, 0);
+  if (listened(debug_above_)) publishBand(debug_above_, depth, segments, limits.min_height_mm, limits.max_height_mm, 4);
+}
+
+void SegmentationNodelet::publishBand(const ros::Publisher& cloud, const DepthView& depth, const Segments& segments,
+                                      double least_mm, double most_mm, int colour) {
+  const bool has_table = segments.table.inliers > 0;
+  Table table;
+  table.normal = eigenOf(segments.table.normal).cast<float>();
+  table.distance_m = segments.table.distance_m;
+  Segments band;
+  band.header = segments.header;
+  band.width = segments.width;
+  band.segments.resize(1);
+  band.segments[0].id = static_cast<std::uint16_t>(colour);
+  if (has_table) pixelsBetween(depth, table, least_mm, most_mm, band.segments[0].pixels);
+  cloud.publish(boost::make_shared<sensor_msgs::PointCloud2>(cloudOf(depth, band)));
 }
 
 void SegmentationNodelet::onConfig(const SegmentationConfig& config) {

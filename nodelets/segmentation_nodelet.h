@@ -17,7 +17,8 @@
 
 namespace voxid {
 
-/// depth/image_raw + depth/camera_info -> segments, and cloud if somebody listens to it. A busy nodelet takes the
+/// depth/image_raw + depth/camera_info -> segments, and cloud if somebody listens to it; with ~debug also debug/table,
+/// debug/above_table and debug/clusters. A busy nodelet takes the
 /// newest frame next and counts the others as dropped.
 class SegmentationNodelet : public nodelet::Nodelet {
  public:
@@ -32,7 +33,9 @@ class SegmentationNodelet : public nodelet::Nodelet {
   void onFrame(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info);
   void onConfig(const SegmentationConfig& config);
   boost::shared_ptr<Segments> segment(const Result<DepthView>& depth, const std_msgs::Header& header);
-  void publishCloud(const DepthView& depth, const Segments& segments);
+  void publishClouds(const DepthView& depth, const Segments& segments);
+  void publishBand(const ros::Publisher& cloud, const DepthView& depth, const Segments& segments, double least_mm,
+                   double most_mm, int colour);
   SegmentParams params() const;
 
   bool closing_ = false;
@@ -42,6 +45,7 @@ class SegmentationNodelet : public nodelet::Nodelet {
   MessagePool<Segments> pool_;
   Health health_;
   ros::Publisher segments_, cloud_;
+  ros::Publisher debug_table_, debug_above_, debug_clusters_;  // advertised with ~debug only
   message_filters::Subscriber<sensor_msgs::Image> image_;
   message_filters::Subscriber<sensor_msgs::CameraInfo> info_;
   std::unique_ptr<Frame> frames_;

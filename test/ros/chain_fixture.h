@@ -15,6 +15,7 @@
 #include "classification_nodelet.h"
 #include "listener.h"
 #include "overlay_nodelet.h"
+#include "points_nodelet.h"
 #include "segmentation_nodelet.h"
 #include "table_scene.h"
 
@@ -45,6 +46,7 @@ class Chain : public testing::Test {
   }
 
   static boost::shared_ptr<nodelet::Nodelet> create(const std::string& type) {
+    if (type == "voxid/points") return boost::make_shared<PointsNodelet>();
     if (type == "voxid/segmentation") return boost::make_shared<SegmentationNodelet>();
     if (type == "voxid/classification") return makeClassification();
     return boost::make_shared<OverlayNodelet>();

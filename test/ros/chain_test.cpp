@@ -9,12 +9,16 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <set>
+#include <type_traits>
 
 #include "chain_fixture.h"
+#include "clouds.h"
 #include "scene_index.h"
 
 namespace voxid {
@@ -282,6 +286,224 @@ TEST_F(Chain, MarkersOverlayAndCloudForPeople) {
     if (marker.ns == "label") texts.push_back(marker.text.substr(0, marker.text.find(' ')));
   std::sort(texts.begin(), texts.end());
   EXPECT_EQ(texts, (std::vector<std::string>{"ball", "box"}));
+}
+
+/// Everything that the nodelets say of themselves, by name of nodelet and key.
+class Diagnostics {
+ public:
+  explicit Diagnostics(const std::string& ns) : prefix_(ns.substr(1) + "/") {
+    subscriber_ = node_.subscribe("/diagnostics", 50, &Diagnostics::on, this);
+  }
+  std::string value(const std::string& nodelet, const std::string& key) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return values_[prefix_ + nodelet + ": frames"][key];
+  }
+  bool becomes(const std::string& nodelet, const std::string& key, const std::string& part) {
+    return eventually(5, [&] { return value(nodelet, key).find(part) != std::string::npos; });
+  }
+
+ private:
+  void on(const diagnostic_msgs::DiagnosticArrayConstPtr& array) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    for (const auto& status : array->status) {
+      values_[status.name]["message"] = status.message;
+      for (const auto& pair : status.values) values_[status.name][pair.key] = pair.value;
+    }
+  }
+  const std::string prefix_;
+  std::mutex mutex_;
+  std::map<std::string, std::map<std::string, std::string>> values_;
+  ros::NodeHandle node_;
+  ros::Subscriber subscriber_;
+};
+
+TEST_F(Chain, AnOrganisedCloudStandsInForADepthImage) {
+  test::writeSceneIndex(index_path_);
+  image_.shutdown();  // the cloud's own
+  info_.shutdown();
+  start();
+  ASSERT_TRUE(loader_.load(name_ + "/points", "voxid/points", {}, {}));
+  Diagnostics diagnostics(name_);
+  ros::Publisher points = node_.advertise<sensor_msgs::PointCloud2>("points", 4);
+  Listener<Objects> listener(node_, "objects");
+  ObjectsConstPtr objects;
+  ASSERT_TRUE(eventually(10, [&] {
+    const ros::Time stamp = ros::Time::now();
+    points.publish(test::organisedCloud(TableScene().depth_mm(), stamp));
+    return (objects = listener.wait(stamp, 0.5)) != nullptr;
+  }));
+  EXPECT_EQ(objects->status, Objects::OK + 0) << objects->status_text;
+  EXPECT_EQ(objects->header.frame_id, "camera");
+  EXPECT_TRUE(labelled(*objects, "box"));
+  EXPECT_TRUE(labelled(*objects, "ball"));
+
+  const auto unorganised = test::organisedCloud(TableScene().depth_mm(), ros::Time::now());
+  unorganised->width *= unorganised->height;
+  unorganised->row_step *= unorganised->height;
+  unorganised->height = 1;
+  points.publish(unorganised);
+  EXPECT_TRUE(diagnostics.becomes("points", "message", "the cloud is not organised"))
+      << diagnostics.value("points", "message");
+  EXPECT_TRUE(diagnostics.becomes("points", "refused_clouds", "1"));
+}
+
+TEST_F(Chain, DebugCloudsShowTableAndWhatStandsOnIt) {
+  node_.setParam("segmentation/debug", true);
+  start();
+  const TableScene scene;
+  Listener<sensor_msgs::PointCloud2> tables(node_, "debug/table"), above(node_, "debug/above_table"),
+      clusters(node_, "debug/clusters");
+  const auto heights = [&](const sensor_msgs::PointCloud2ConstPtr& cloud) {
+    std::vector<double> heights_m;
+    for (sensor_msgs::PointCloud2ConstIterator<float> p(*cloud, "x"); p != p.end(); ++p)
+      heights_m.push_back((scene.tableFromCamera() * Eigen::Vector3d(p[0], p[1], p[2])).z());
+    std::sort(heights_m.begin(), heights_m.end());
+    return heights_m;
+  };
+  const auto table = answerTo(scene.depth_mm(), tables);
+  ASSERT_TRUE(table);
+  ASSERT_GT(table->width, 20000u);
+  EXPECT_GT(heights(table).front(), -0.008);
+  EXPECT_LT(heights(table).back(), 0.008);
+  const auto things = answerTo(scene.depth_mm(), above);
+  ASSERT_TRUE(things);
+  ASSERT_GT(things->width, 2000u);
+  EXPECT_GT(heights(things).front(), 0.004);
+  EXPECT_NEAR(heights(things).back(), 0.12, 0.01);
+  const auto coloured = answerTo(scene.depth_mm(), clusters);
+  ASSERT_TRUE(coloured);
+  std::set<std::array<std::uint8_t, 3>> colours;
+  for (sensor_msgs::PointCloud2ConstIterator<std::uint8_t> c(*coloured, "rgb"); c != c.end(); ++c)
+    colours.insert({c[2], c[1], c[0]});
+  EXPECT_EQ(colours, (std::set<std::array<std::uint8_t, 3>>{colourOf(1), colourOf(2)}));
+}
+
+TEST_F(Chain, DebugCloudsAreNotThereUnlessAskedFor) {
+  start();
+  ros::master::V_TopicInfo topics;
+  ASSERT_TRUE(ros::master::getTopics(topics));
+  for (const auto& topic : topics) EXPECT_EQ(topic.name.find(name_ + "/debug"), std::string::npos) << topic.name;
+}
+
+TEST_F(Chain, DiagnosticsCountWhatWasDroppedAndWhy) {
+  start();
+  Diagnostics diagnostics(name_);
+  Listener<Objects> listener(node_, "objects");
+  TableScene scene;
+  scene.boxes.push_back({{0.0, 0.62, 0.006}, {0.012, 0.012, 0.012}});  // a crumb
+  const ObjectsConstPtr objects = answerTo(scene.depth_mm(), listener);
+  ASSERT_TRUE(objects);
+  ASSERT_GE(objects->dropped[0], 1u);
+  ASSERT_TRUE(listener.wait(show(std::vector<std::uint16_t>(320 * 240, 0)), 5));
+  EXPECT_TRUE(diagnostics.becomes("segmentation", "frames_NO_DEPTH", "1"));
+  const int ok = std::stoi(diagnostics.value("segmentation", "frames_OK"));
+  EXPECT_EQ(std::stoi(diagnostics.value("segmentation", "clusters_too_few_points")),
+            ok * static_cast<int>(objects->dropped[0]));
+  EXPECT_EQ(diagnostics.value("segmentation", "clusters_too_many"), "0");
+  EXPECT_TRUE(diagnostics.becomes("classification", "frames_NO_INDEX", "1"));
+}
+
+/// Sets a parameter of a nodelet as `rosrun dynamic_reconfigure dynparam` does.
+void reconfigure(const std::string& nodelet, const std::string& name, bool boolean, int value) {
+  dynamic_reconfigure::Reconfigure change;
+  if (boolean) {
+    change.request.config.bools.resize(1);
+    change.request.config.bools[0].name = name;
+    change.request.config.bools[0].value = static_cast<std::uint8_t>(value);
+  } else {
+    change.request.config.ints.resize(1);
+    change.request.config.ints[0].name = name;
+    change.request.config.ints[0].value = value;
+  }
+  ASSERT_TRUE(ros::service::call(nodelet + "/set_parameters", change)) << name;
+}
+
+/// A name, whether it is a bool, and one of its limits.
+struct Setting {
+  std::string name;
+  bool boolean;
+  int value, usual;
+};
+template <typename Params>
+std::vector<Setting> settingsOf() {
+  std::vector<Setting> settings;
+  Params params;
+  visitParams(params, [&](const char* name, auto& value, auto least, auto most) {
+    const bool boolean = std::is_same_v<std::decay_t<decltype(value)>, bool>;
+    for (const int limit : {static_cast<int>(least), static_cast<int>(most)})
+      if (limit != static_cast<int>(value)) settings.push_back({name, boolean, limit, static_cast<int>(value)});
+  });
+  return settings;
+}
+template <typename Params>
+Params with(const Setting& setting) {
+  Params params;
+  visitParams(params, [&](const char* name, auto& value, auto, auto) {
+    if (name == setting.name) value = static_cast<std::decay_t<decltype(value)>>(setting.value);
+  });
+  return params;
+}
+
+TEST_F(Chain, EveryParameterOfTheSegmentationWorksInTheNextFrame) {
+  start();
+  Listener<Segments> listener(node_, "segments");
+  TableScene scene;
+  scene.boxes.push_back({{0.0, 0.80, 0.01}, {0.10, 0.08, 0.02}});
+  scene.boxes.push_back({{-0.10, 0.62, 0.03}, {0.05, 0.06, 0.06}});
+  const std::vector<std::uint16_t> depth_mm = scene.depth_mm();
+  ASSERT_TRUE(answerTo(depth_mm, listener));
+  const auto depth_of = [](const sensor_msgs::ImageConstPtr& image) {
+    return viewOf(*image, *infoOf(ros::Time(1))).value;
+  };
+  Segmenter segmenter;
+  Segments usual;
+  fillSegments(segmenter.segment(depth_of(sent_), {}), 320, 240, &usual);
+  std::set<std::string> seen;
+  for (const Setting& setting : settingsOf<SegmentParams>()) {
+    reconfigure(name_ + "/segmentation", setting.name, setting.boolean, setting.value);
+    const SegmentsConstPtr heard = listener.wait(show(depth_mm), 5);
+    ASSERT_TRUE(heard) << setting.name;
+    Segments expected;
+    fillSegments(segmenter.segment(depth_of(sent_), with<SegmentParams>(setting)), 320, 240, &expected);
+    EXPECT_EQ(heard->status, expected.status) << setting.name << " = " << setting.value;
+    EXPECT_EQ(heard->valid_pixels, expected.valid_pixels) << setting.name << " = " << setting.value;
+    EXPECT_EQ(heard->table, expected.table) << setting.name << " = " << setting.value;
+    EXPECT_EQ(heard->segments, expected.segments) << setting.name << " = " << setting.value;
+    if (expected.segments != usual.segments || expected.status != usual.status) seen.insert(setting.name);
+    reconfigure(name_ + "/segmentation", setting.name, setting.boolean, setting.usual);
+  }
+  EXPECT_GE(seen.size(), 10u);  // of 22 that this picture shows a difference of
+}
+
+TEST_F(Chain, EveryParameterOfTheClassificationWorksInTheNextFrame) {
+  test::writeSceneIndex(index_path_);
+  start();
+  Listener<Objects> listener(node_, "objects");
+  const std::vector<std::uint16_t> depth_mm = TableScene().depth_mm();
+  ASSERT_TRUE(answerTo(depth_mm, listener));
+  const std::shared_ptr<const Index> index = Index::open(index_path_).value;
+  Segmenter segmenter;
+  std::set<std::string> seen;
+  for (const Setting& setting : settingsOf<ClassifyParams>()) {
+    reconfigure(name_ + "/classification", setting.name, setting.boolean, setting.value);
+    const ObjectsConstPtr heard = listener.wait(show(depth_mm), 5);
+    ASSERT_TRUE(heard) << setting.name;
+    const DepthView depth = viewOf(*sent_, *infoOf(ros::Time(1))).value;
+    const Scene& scene = segmenter.segment(depth, {});
+    Recogniser recogniser(index);
+    ASSERT_EQ(heard->objects.size(), scene.clusters.size);
+    for (std::size_t i = 0; i < scene.clusters.size; ++i) {
+      Object expected;
+      fillAnswer(recogniser.recognise(depth, scene.clusters[i].pixels, with<ClassifyParams>(setting)), *index,
+                 &expected);
+      EXPECT_EQ(heard->objects[i].label, expected.label) << setting.name << " = " << setting.value;
+      EXPECT_EQ(heard->objects[i].score, expected.score) << setting.name << " = " << setting.value;
+      EXPECT_EQ(heard->objects[i].alternatives, expected.alternatives) << setting.name << " = " << setting.value;
+      if (expected.label.empty()) seen.insert(setting.name);
+    }
+    reconfigure(name_ + "/classification", setting.name, setting.boolean, setting.usual);
+  }
+  EXPECT_EQ(seen, (std::set<std::string>{"min_score_permille"}));
 }
 
 TEST_F(Chain, ParametersTakeEffectWithTheNextFrame) {
