@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // voxid render: models, or a table with models on it, as a depth camera sees them.
+#include <Eigen/Geometry>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -23,7 +25,7 @@ struct Options {
   std::string mesh, out, labels, up = "y";
   std::vector<std::string> models;
   std::vector<double> sizes_cm;
-  int view = 0, frames = 1;
+  int view = 0, frames = 1, turn = 0;
   std::uint64_t seed = 1;
   bool all = false, clean = false, table = false;
 };
@@ -73,6 +75,34 @@ Status renderView(const Options& options, const RayScene& scene, int view) {
   return writePng(fs::path(options.out) / name, imager, image.depth_mm);
 }
 
+/// From a little above, the model's y axis upright, `angle` round it.
+Placement turnedPose(double angle) {
+  constexpr float kAbove = 0.4f, kScale_mm = 300, kDistance_mm = 800;  // radians; of a model whose box diagonal is 1
+  const auto along = static_cast<float>(angle);
+  const Eigen::Vector3f to_camera(std::cos(kAbove) * std::sin(along), std::sin(kAbove), std::cos(kAbove) * std::cos(along));
+  const Eigen::Vector3f right = Eigen::Vector3f(0, 1, 0).cross(to_camera).normalized();
+  Placement pose;
+  pose.rotation.row(0) = right;
+  pose.rotation.row(1) = right.cross(to_camera);
+  pose.rotation.row(2) = -to_camera;
+  pose.translation = {0, 0, kDistance_mm};
+  pose.scale = kScale_mm;
+  return pose;
+}
+
+Status renderTurn(const Options& options, const RayScene& scene) {
+  const Imager imager;
+  Status status;
+  for (int i = 0; i < options.turn && status.ok(); ++i) {
+    const DepthImage image = observeClean(scene, imager, turnedPose(2 * M_PI * i / options.turn));
+    char number[24];
+    std::snprintf(number, sizeof number, "_turn_%02d", i);
+    const std::string name = fs::path(options.mesh).stem().string() + number + ".png";
+    status = writePng(fs::path(options.out) / name, imager, image.depth_mm);
+  }
+  return status;
+}
+
 Status renderModel(const Options& options) {
   if (options.mesh.empty()) return Status::badUse("render: which mesh? Give a file, or --table with --models; see --help");
   const Result<Mesh> mesh = readMeshFile(options.mesh);
@@ -82,6 +112,7 @@ Status renderModel(const Options& options) {
   RayScene scene;
   scene.add(mesh.value, unitPlacement(mesh.value));
   scene.commit();
+  if (options.turn > 0) return status.ok() ? renderTurn(options, scene) : status;
   const int first = options.all ? 0 : options.view, last = options.all ? kDirections - 1 : options.view;
   for (int view = first; view <= last && status.ok(); ++view) status = renderView(options, scene, view);
   return status;
@@ -158,6 +189,7 @@ void addModelOptions(CLI::App& app, Options& options) {
   app.add_option("--out", options.out, "Folder for the depth images (16-bit PNG, mm) and camera_info.yaml; with --table also a .png file")->required();
   CLI::Option* const view = app.add_option("--view", options.view, "Direction, 0 to 79")->capture_default_str()->check(CLI::Range(0, kDirections - 1));
   app.add_flag("--all", options.all, "All 80 directions")->excludes(view);
+  app.add_option("--turn", options.turn, "Instead: so many views of one turn round the model's y axis, of an ideal sensor")->check(CLI::Range(1, 360));
   app.add_flag("--clean", options.clean, "An ideal sensor, without noise, shadow and loss");
   app.add_option("--seed", options.seed, "Draws sizes, places and noise; the same seed gives the same images")->capture_default_str()->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1} << 32));
 }

@@ -8,7 +8,7 @@ import tempfile
 
 import cv2
 
-from voxid.acquire import gather, judge, meaning, mirrors, sketchfab, source, sweethome3d, words
+from voxid.acquire import gather, judge, meaning, mirrors, review, sketchfab, source, sweethome3d, words
 from voxid.acquire.library import Library, write_whole
 from voxid.acquire.parser import Parser
 from voxid.failure import BAD_USE, NOTHING_FOUND, Failure
@@ -28,6 +28,8 @@ def options_of(arguments):
                         help="levels of narrower words to search for too (2)")
     parser.add_argument("--yes", action="store_true", help="keep all that pass")
     parser.add_argument("--keep", metavar="NUMBERS", help="keep these of the contact sheet, drop the rest: 1,3-5")
+    parser.add_argument("--review", action="store_true",
+                        help="show them turning on a page of this machine's own, to keep or drop by click")
     parser.add_argument("--most", type=int, default=200, metavar="N", help="fetch at most so many candidates (200)")
     parser.add_argument("--max-mb", type=int, default=200, metavar="MB",
                         help="leave out files larger than this, packed or unpacked (200)")
@@ -147,7 +149,10 @@ def say(options, number, one, more):
     sys.stdout.flush()
 
 
-def choice(options, passed, sheet):
+def choice(options, program, passed, sheet):
+    if options.review:
+        announce = lambda address: gather.say(f"{len(passed)} candidates wait to be kept or dropped at {address}")
+        return review.Review(program, options.word, passed).ask(announce)
     if options.yes:
         return set(range(1, len(passed) + 1))
     if options.keep is not None:
@@ -193,7 +198,7 @@ def clash(library, category, synset):
                       f"({synset.name()}); one folder holds one meaning: choose another --out", BAD_USE)
 
 
-def judge_and_keep(options, gatherer, library, synset, queries):
+def judge_and_keep(options, program, gatherer, library, synset, queries):
     """How many of how many were kept."""
     category = source.file_name(options.word)
     synsets = [synset, *words.hyponyms(synset, options.depth)]
@@ -202,7 +207,7 @@ def judge_and_keep(options, gatherer, library, synset, queries):
     found, old, described = gatherer.without_duplicates(found)
     passed, dropped = gather.ranked(found, old)
     report(options, passed, dropped)
-    numbers = choice(options, passed, write_sheet(library, category, passed)) if passed else set()
+    numbers = choice(options, program, passed, write_sheet(library, category, passed)) if passed else set()
     settle(library, category, synset, passed, dropped, numbers)
     library.save_described(category, described)
     return len(numbers), len(found)
@@ -214,7 +219,7 @@ def acquire(options, program, synset, queries):
     with library.locked(), tempfile.TemporaryDirectory(prefix="voxid-acquire-") as folder:
         clash(library, category, synset)
         gatherer = gather.Gatherer(program, library, category, pathlib.Path(folder), options.max_mb << 20)
-        taken, found = judge_and_keep(options, gatherer, library, synset, queries)
+        taken, found = judge_and_keep(options, program, gatherer, library, synset, queries)
     kept = len(library.kept(category))
     gather.say(f"{library.root}: {taken} models of {found} new candidates kept; {category} ({synset.name()}) has {kept}")
     if gatherer.broken and found == 0:

@@ -34,7 +34,7 @@ def _limit():
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def _run(program, *arguments):
+def run(program, *arguments):
     """(answer, reason): what the child printed, or one sentence about how it ended."""
     try:
         done = subprocess.run([program, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True,
@@ -49,12 +49,12 @@ def _run(program, *arguments):
     return done.stdout, ""
 
 
-def shaded(depth_mm, size_px=160):
-    """A depth image as a grey picture, lit from the camera, the object filling it."""
+def shaded(depth_mm, size_px=160, fill=True):
+    """A depth image as a grey picture, lit from the camera; with `fill` cut to the object."""
     rows, columns = np.nonzero(depth_mm)
     if not len(rows):
         return np.full((size_px, size_px), 255, np.uint8)
-    cut = depth_mm[rows.min():rows.max() + 1, columns.min():columns.max() + 1].astype(np.float32)
+    cut = (depth_mm[rows.min():rows.max() + 1, columns.min():columns.max() + 1] if fill else depth_mm).astype(np.float32)
     slope_y, slope_x = np.gradient(cut)
     light = 40 + 190 / np.sqrt(1 + 0.3 * (slope_x ** 2 + slope_y ** 2))
     picture = np.where(cut > 0, light, 255).astype(np.uint8)
@@ -67,7 +67,7 @@ def shaded(depth_mm, size_px=160):
 
 def _thumbnail(program, mesh):
     with tempfile.TemporaryDirectory(prefix="voxid-view-") as folder:
-        _, reason = _run(program, "render", mesh, "--view", 7, "--clean", "--out", folder)
+        _, reason = run(program, "render", mesh, "--view", 7, "--clean", "--out", folder)
         if reason.startswith("cannot write"):  # says nothing of the mesh
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), folder)
         images = list(pathlib.Path(folder).glob("*.png"))
@@ -87,7 +87,7 @@ def _wrong_with(described):
 
 def describe(program, mesh):
     """(what `voxid describe` prints, reason)."""
-    out, reason = _run(program, "describe", mesh, "--json", "--views-every", VIEWS_EVERY)
+    out, reason = run(program, "describe", mesh, "--json", "--views-every", VIEWS_EVERY)
     return (None, reason) if reason else (json.loads(out), "")
 
 
