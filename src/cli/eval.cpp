@@ -166,6 +166,8 @@ Status checkRetrieval(const Options& options) {
 Status check(const Options& options) {
   if (options.retrieval) return checkRetrieval(options);
   if (!options.unseen.empty() && !options.memory) return Status::badUse("--unseen is for --retrieval and --memory");
+  if (!options.scenes.evidence.names.empty() && options.scenes.folder.empty())
+    return Status::badUse("--evidence is for --scenes");
   if (options.index.empty()) return Status::badUse("--index is required, except with --retrieval; see --help");
   if (options.memory) {
     return options.unseen.empty() ? Status::badUse("--memory needs --unseen DIR, models that the index does not hold")
@@ -213,6 +215,7 @@ Run addEval(CLI::App& app) {
                  "With --scenes: a JSON file of what their categories may be called (default: cfg/aliases.json)")
       ->type_name("FILE")
       ->needs(scenes);
+  options->scenes.evidence.addTo(app);
   CLI::Option* const comparing = app.add_flag(
       "--compare", options->comparing, "Descriptors beside one another on the same views; PCL's ESF among them");
   CLI::Option* const retrieval =

@@ -117,11 +117,15 @@ Json classesOf(const Tallies& tallies) {
 
 /// All objects by one descriptor, mask and choice.
 Json rowOf(const Index& index, const SceneObjects& scenes, CodeSearch& search, std::pair<const char*, Mask> mask,
-           const Choice& choice) {
+           const Choice& choice, const SizeTable* sizes) {
   std::array<Tallies, kMethods.size()> tallies;
   for (const SceneObject& object : scenes.objects) {
     const auto& pixels = mask.second == Mask::True ? object.true_pixels : object.own_pixels;
-    const Nearest* const found = search.find(object.depth->view(), {pixels.data(), pixels.size()}, choice.allowed);
+    const DepthView depth = object.depth->view();
+    const Span<const std::uint32_t> shown{pixels.data(), pixels.size()};
+    const AllowedCategories allowed =
+        sizes ? sizes->allowed(longestExtent_mm(depth, shown), choice.allowed) : choice.allowed;
+    const Nearest* const found = search.find(depth, shown, allowed);
     for (std::size_t m = 0; m < kMethods.size(); ++m) {
       const Answer answer = found ? classify(index, *found, kMethods[m].method, 0) : Answer{};
       tallies[m][object.right[0]].add(index, object, answer);
@@ -136,30 +140,31 @@ Json rowOf(const Index& index, const SceneObjects& scenes, CodeSearch& search, s
 }
 
 void addRows(const Index& index, const SceneObjects& scenes, CodeSearch search, const std::vector<Choice>& choices,
-             Json& rows) {
+             const SizeTable* sizes, Json& rows) {
   for (const auto& mask : kMasks) {
-    for (const Choice& choice : choices) rows.push_back(rowOf(index, scenes, search, mask, choice));
+    for (const Choice& choice : choices) rows.push_back(rowOf(index, scenes, search, mask, choice, sizes));
   }
 }
 
 /// The index's own descriptor on all its views.
-void addOwnRows(const Index& index, const SceneObjects& scenes, const std::vector<Choice>& choices, Json& rows) {
+void addOwnRows(const Index& index, const SceneObjects& scenes, const std::vector<Choice>& choices,
+                const SizeTable* sizes, Json& rows) {
   const auto code = ownCode(index);
   std::vector<std::uint32_t> views(index.viewCount());
   std::iota(views.begin(), views.end(), 0u);
   const auto code_at = [&](std::size_t view) { return index.code(static_cast<std::uint32_t>(view)); };
-  addRows(index, scenes, CodeSearch(index, *code, views, code_at), choices, rows);
+  addRows(index, scenes, CodeSearch(index, *code, views, code_at), choices, sizes, rows);
 }
 
 /// Every compared descriptor on the same views.
 Status addComparedRows(const Index& index, const SceneObjects& scenes, const CompareOptions& options,
-                       const std::vector<Choice>& choices, Json& rows) {
+                       const std::vector<Choice>& choices, const SizeTable* sizes, Json& rows) {
   const auto compared = describeViews(index, options.models, options.every, options.jobs);
   if (!compared.ok()) return compared.status;
   const auto codes = comparedCodes(index);
   for (std::size_t i = 0; i < codes.size(); ++i) {
     addRows(index, scenes, CodeSearch(index, *codes[i], compared.value.views, compared.value.codesOf(i)), choices,
-            rows);
+            sizes, rows);
   }
   return {};
 }
@@ -180,12 +185,15 @@ Result<Json> evaluateScenes(const std::shared_ptr<const Index>& index, const Sce
   json["segmented"] = std::count_if(scenes.value.objects.begin(), scenes.value.objects.end(),
                                     [](const SceneObject& o) { return !o.own_pixels.empty(); });
   json["every"] = options.comparing ? options.compare.every : 1;
+  json["evidence"] = options.evidence.names;
   json["rows"] = Json::array();
+  const SizeTable table(*index);
+  const SizeTable* const sizes = options.evidence.size() ? &table : nullptr;
   if (!options.comparing) {
-    addOwnRows(*index, scenes.value, choices.value, json["rows"]);
+    addOwnRows(*index, scenes.value, choices.value, sizes, json["rows"]);
     return json;
   }
-  const Status status = addComparedRows(*index, scenes.value, options.compare, choices.value, json["rows"]);
+  const Status status = addComparedRows(*index, scenes.value, options.compare, choices.value, sizes, json["rows"]);
   if (!status.ok()) return status;
   return json;
 }

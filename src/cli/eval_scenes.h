@@ -7,6 +7,7 @@
 
 #include "compare.h"
 #include "scene_json.h"
+#include "size_evidence.h"
 #include "voxid/core/index.h"
 
 namespace voxid::cli {
@@ -15,6 +16,7 @@ struct SceneOptions {
   std::string folder;      ///< scenes, with objects.json
   std::string categories;  ///< a file: the categories that may be answers, one a line; empty: all only
   std::string aliases;     ///< a file; empty: voxid's own
+  EvidenceChoice evidence;  ///< what counts beside the codes
   bool comparing = false;  ///< with ESF, on the views that `compare` says
   CompareOptions compare;
 };

@@ -120,3 +120,32 @@ def test_the_table_top_list_names_taught_categories_once():
     if not folder.exists():
         pytest.skip("../shared/data/models/train is not there")
     assert [name for name in names if not (folder / name).is_dir()] == []
+
+
+def test_what_is_too_large_is_not_called_so(voxid, models, scenes, tmp_path):
+    """A cube of 12 cm is no die, even where a die is the only cube that was taught."""
+    for category, model in (("die", "cube/cube_a.ply"), ("box", "board/board.ply"), ("can", "tin/tin_a.ply")):
+        mesh = next((models / model.split("/")[0]).glob("*.ply"))
+        (tmp_path / "models" / category).mkdir(parents=True)
+        (tmp_path / "models" / category / mesh.name).write_bytes(mesh.read_bytes())
+    index, aliases = tmp_path / "x.vxi", tmp_path / "aliases.json"
+    assert voxid("build", "--models", tmp_path / "models", "--out", index, "--views-every", 4).code == 0
+    aliases.write_text('{"block": ["die"], "tin": ["can"]}')
+    ask = ["eval", "--index", index, "--scenes", scenes, "--aliases", aliases, "--json"]
+    without, sized = voxid(*ask).json, voxid(*ask, "--evidence", "size").json
+    share = {name: {c["class"]: c["top5"] for c in result["rows"][0]["classes"]} for name, result in
+             (("without", without), ("sized", sized))}
+    assert share == {"without": {"die": 100, "can": 100}, "sized": {"die": 0, "can": 100}}
+    assert without["evidence"] == [] and sized["evidence"] == ["size"]
+    voxid(*ask, "--evidence", "size,colour").refuses(2, "colour")
+    voxid("eval", "--index", index, "--queries", tmp_path, "--evidence", "size").refuses(2, "--scenes")
+
+
+def test_sizes_are_of_taught_categories_once():
+    yaml = pytest.importorskip("yaml")
+    table = yaml.safe_load((ROOT / "cfg/sizes.yaml").read_text())
+    known = yaml.safe_load((ROOT / "cfg/synsets.yaml").read_text())["categories"]
+    named = list(table["range_cm"]) + table["large"]
+    assert len(named) == len(set(named))
+    assert set(named) <= set(known)
+    assert all(0 < least < most for least, most in table["range_cm"].values())
