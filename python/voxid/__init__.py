@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""voxid in Python: describe(), Index, render() (compiled, numpy in and out), and voxid.acquire. __init__.pyi is the manual."""
+"""voxid in Python: describe(), Index, render() (compiled, numpy in and out), and voxid.acquire. __init__.pyi is
+the manual."""
 import pkgutil
 
 # ROS generates a package of the same name (voxid.msg); whichever comes first on the path finds the other's parts.

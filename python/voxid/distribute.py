@@ -2,8 +2,8 @@
 """voxid build --workers N | --scheduler tcp://host:8786: models spread over Dask's workers (doc/scaling.md).
 
 A task is one `voxid build --part K/N` on a worker; it leaves finished models in OUT.parts, on storage that all see, and
-gives a receipt back. When all are there, `voxid build --resume` reads them one after another and writes the index: the same
-bytes as of a build that did everything itself."""
+gives a receipt back. When all are there, `voxid build --resume` reads them one after another and writes the index: the
+same bytes as of a build that did everything itself."""
 import contextlib
 import ctypes
 import fcntl
@@ -35,8 +35,8 @@ def options_of(arguments):
 
 def words_of(options):
     """The command line of a build that does the same, by full paths: workers stand in other folders."""
-    words = ["--models", os.path.abspath(options.models), "--out", os.path.abspath(options.out), "--views-every", options.views_every,
-             "--descriptor", options.descriptor]
+    words = ["--models", os.path.abspath(options.models), "--out", os.path.abspath(options.out),
+             "--views-every", options.views_every, "--descriptor", options.descriptor]
     words += ["--projection", os.path.abspath(options.projection)] if options.projection else []
     return words + (["--pairs", options.pairs] if options.pairs else [])
 
@@ -56,7 +56,8 @@ def build_part(program, words, part):
 def tasks_for(models):
     """As many parts as make MODELS_A_TASK files each."""
     with os.scandir(models) as folders:
-        files = sum(len(os.listdir(folder.path)) for folder in folders if folder.is_dir() and not folder.name.startswith("."))
+        names = [folder.path for folder in folders if folder.is_dir() and not folder.name.startswith(".")]
+    files = sum(len(os.listdir(name)) for name in names)
     return max(1, min(MOST_TASKS, -(-files // MODELS_A_TASK)))
 
 
@@ -69,7 +70,8 @@ def locked_parts(out, resume):
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise Failure(f"another build of {out} is running; wait for it, or choose another name", CANNOT_DO) from None
+            raise Failure(f"another build of {out} is running; wait for it, or choose another name",
+                          CANNOT_DO) from None
         for path in () if resume else parts.iterdir():
             if path.name != "lock":
                 path.unlink()
@@ -90,11 +92,12 @@ def client_of(options):
     with contextlib.ExitStack() as stack:
         try:
             where = options.scheduler or stack.enter_context(distributed.LocalCluster(
-                n_workers=options.workers, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address="127.0.0.1:0",
-                silence_logs=logging.CRITICAL))
+                n_workers=options.workers, threads_per_worker=1, processes=True, host="127.0.0.1",
+                dashboard_address="127.0.0.1:0", silence_logs=logging.CRITICAL))
             client = stack.enter_context(distributed.Client(where, set_as_default=False))
         except (OSError, ValueError) as error:
-            raise Failure(f"no Dask scheduler answers at {options.scheduler or 'this machine'}: {error}", CANNOT_DO) from None
+            raise Failure(f"no Dask scheduler answers at {options.scheduler or 'this machine'}: {error}",
+                          CANNOT_DO) from None
         yield client
 
 
@@ -102,7 +105,8 @@ def say(options, done, parts, receipt, models):
     if options.json:
         print(json.dumps({"event": "part", **receipt}), flush=True)
     elif sys.stderr.isatty():
-        print(f"\r{done} of {parts} parts, {models} models ", end="\n" if done == parts else "", file=sys.stderr, flush=True)
+        end = "\n" if done == parts else ""
+        print(f"\r{done} of {parts} parts, {models} models ", end=end, file=sys.stderr, flush=True)
 
 
 def collect(options, client, program, words, parts):
@@ -115,11 +119,13 @@ def collect(options, client, program, words, parts):
         for done, future in enumerate(as_completed(futures, loop=client.loop), 1):
             receipt = future.result()
             if "failure" in receipt:
-                raise Failure(receipt["failure"].removeprefix("voxid: "), receipt["code"] if receipt["code"] > 0 else CANNOT_DO)
+                code = receipt["code"] if receipt["code"] > 0 else CANNOT_DO
+                raise Failure(receipt["failure"].removeprefix("voxid: "), code)
             models += receipt["models"]
             say(options, done, parts, receipt, models)
     except KilledWorker:
-        raise Failure(f"{DEATHS} workers died at the same models; what is finished waits for --resume", CANNOT_DO) from None
+        raise Failure(f"{DEATHS} workers died at the same models; what is finished waits for --resume",
+                      CANNOT_DO) from None
     finally:
         client.cancel(futures)
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The mesh of a zip archive that somebody else made: nothing is written under a name of the archive's own, and what unpacks to
-more than the limit is refused, whatever its headers say."""
+"""The mesh of a zip archive that somebody else made: nothing is written under a name of the archive's own, and
+what unpacks to more than the limit is refused, whatever its headers say."""
 import base64
 import json
 import pathlib
@@ -25,7 +25,8 @@ def _check_directory(path):
     end = tail.rfind(b"PK\x05\x06")
     if end < 0 or len(tail) - end < 22:
         raise Failure("no zip archive", DAMAGED)
-    if tail[max(0, end - 20):end].startswith(b"PK\x06\x07") or int.from_bytes(tail[end + 12:end + 16], "little") > MOST_DIRECTORY_BYTES:
+    is_zip64 = tail[max(0, end - 20):end].startswith(b"PK\x06\x07")  # of more than 4 GB, or 65,535 names
+    if is_zip64 or int.from_bytes(tail[end + 12:end + 16], "little") > MOST_DIRECTORY_BYTES:
         raise Failure(f"the archive's directory has more than {MOST_DIRECTORY_BYTES} bytes")
 
 
@@ -91,7 +92,8 @@ def whole_gltf(archive, name):
             uri = buffer.get("uri", "")
             if not uri.startswith("data:"):
                 inside = posixpath.normpath(posixpath.join(posixpath.dirname(name), urllib.parse.unquote(uri)))
-                buffer["uri"] = "data:application/octet-stream;base64," + base64.b64encode(archive.read(inside)).decode()
+                text = base64.b64encode(archive.read(inside)).decode()
+                buffer["uri"] = f"data:application/octet-stream;base64,{text}"
         _without_pictures(scene)
     except (ValueError, RecursionError, AttributeError, TypeError):
         raise Failure(f"'{name[:60]}' in the archive is no glTF", DAMAGED) from None

@@ -15,15 +15,16 @@ from voxid.failure import BAD_USE, NOTHING_FOUND, Failure
 
 
 def options_of(arguments):
-    parser = Parser(prog="voxid acquire",
-                    description="Finds models of what a word means, and keeps them in a library that `voxid build` reads.")
+    parser = Parser(prog="voxid acquire", description="Finds models of what a word means, and keeps them in a library "
+                                                      "that `voxid build` reads.")
     parser.add_argument("word", metavar="WORD", help="what to learn, in English: mug")
     parser.add_argument("--sense",
                         help="which meaning: WordNet's number (4) or its name (mug.n.04); without it you are asked")
     parser.add_argument("--source", action="append", default=[], metavar="SOURCE",
-                        help="sweethome3d, sketchfab, or a folder: of meshes, catalogues (.sh3f), or a mirror of ShapeNet, "
-                             "ModelNet, 3DNet, Objaverse; may be repeated")
-    parser.add_argument("--out", type=pathlib.Path, metavar="LIBRARY", help="the library's folder; made if it is not there")
+                        help="sweethome3d, sketchfab, or a folder: of meshes, catalogues (.sh3f), or a mirror of "
+                             "ShapeNet, ModelNet, 3DNet, Objaverse; may be repeated")
+    parser.add_argument("--out", type=pathlib.Path, metavar="LIBRARY",
+                        help="the library's folder; made if it is not there")
     parser.add_argument("--depth", type=int, default=2, choices=range(0, 9), metavar="0..8",
                         help="levels of narrower words to search for too (2)")
     parser.add_argument("--yes", action="store_true", help="keep all that pass")
@@ -102,7 +103,8 @@ def chosen_sense(options, wordnet):
 def _advice(word, senses):
     """What the reviewed table would take."""
     name, _ = meaning.shipped_table().get(source.file_name(word), ("", 0))
-    return next((f"; the shipped table has {number} ({name})" for number, synset in senses if synset.name() == name), "")
+    numbers = (number for number, synset in senses if synset.name() == name)
+    return next((f"; the shipped table has {number} ({name})" for number in numbers), "")
 
 
 def explain(options, synset, queries):
@@ -158,7 +160,8 @@ def choice(options, program, passed, sheet):
     if options.keep is not None:
         return numbers_of(options.keep, len(passed))
     if not on_terminal():
-        raise Failure(f"keep which of {len(passed)}? {sheet} shows them; say --keep with their numbers, or --yes", BAD_USE)
+        raise Failure(f"keep which of {len(passed)}? {sheet} shows them; say --keep with their numbers, or --yes",
+                      BAD_USE)
     answer = ask(f"keep which of {len(passed)}, shown in {sheet}? (all, none, or such as 1,3-5)")
     if answer == "all":
         return set(range(1, len(passed) + 1))
@@ -186,7 +189,8 @@ def settle(library, category, synset, passed, dropped, numbers):
         if one.settled:
             library.notes[one.key] = gather.note_of(one, f"dropped: {one.verdict.reason}")
     if library.kept(category):
-        library.notes[category] = {"synset": meaning.offset_of(synset), "sense": synset.name(), "gloss": synset.definition(),
+        library.notes[category] = {"synset": meaning.offset_of(synset), "sense": synset.name(),
+                                   "gloss": synset.definition(),
                                    "coarser": [meaning.offset_of(wider) for wider in meaning.coarser(synset)]}
     library.save()
 
@@ -221,11 +225,13 @@ def acquire(options, program, synset, queries):
         gatherer = gather.Gatherer(program, library, category, pathlib.Path(folder), options.max_mb << 20)
         taken, found = judge_and_keep(options, program, gatherer, library, synset, queries)
     kept = len(library.kept(category))
-    gather.say(f"{library.root}: {taken} models of {found} new candidates kept; {category} ({synset.name()}) has {kept}")
+    gather.say(f"{library.root}: {taken} models of {found} new candidates kept; "
+               f"{category} ({synset.name()}) has {kept}")
     if gatherer.broken and found == 0:
         raise Failure(f"nothing came of {len(gatherer.broken)} of {len(options.source)} sources; the reasons are above")
     if kept == 0:
-        raise Failure(f"no model of {options.word} was kept; --explain shows the words that were searched for", NOTHING_FOUND)
+        raise Failure(f"no model of {options.word} was kept; --explain shows the words that were searched for",
+                      NOTHING_FOUND)
     return 0
 
 

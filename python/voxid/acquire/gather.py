@@ -87,8 +87,8 @@ class Gatherer:
         return known, described
 
     def without_duplicates(self, found):
-        """Drops what has the shape or the bytes of an earlier one, or of one that the library has already. Also the shapes
-        of what is in the library, and of all by SHA-256."""
+        """Drops what has the shape or the bytes of an earlier one, or of one that the library has already. Also the
+        shapes of what is in the library, and of all by SHA-256."""
         known, described = self._known() if found else ([], {})
         old = [shape for _, shape in known]
         known = [(key, shape.bins) for key, shape in known]

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Is a file a model worth keeping? Each is read in a process of its own, with limits: a mesh that crashes the reader costs itself."""
+"""Is a file a model worth keeping? Each is read in a process of its own, with limits: a mesh that crashes the
+reader costs itself."""
 import collections
 import errno
 import json
@@ -54,7 +55,9 @@ def shaded(depth_mm, size_px=160, fill=True):
     rows, columns = np.nonzero(depth_mm)
     if not len(rows):
         return np.full((size_px, size_px), 255, np.uint8)
-    cut = (depth_mm[rows.min():rows.max() + 1, columns.min():columns.max() + 1] if fill else depth_mm).astype(np.float32)
+    if fill:
+        depth_mm = depth_mm[rows.min():rows.max() + 1, columns.min():columns.max() + 1]
+    cut = depth_mm.astype(np.float32)
     slope_y, slope_x = np.gradient(cut)
     light = 40 + 190 / np.sqrt(1 + 0.3 * (slope_x ** 2 + slope_y ** 2))
     picture = np.where(cut > 0, light, 255).astype(np.uint8)
@@ -129,8 +132,8 @@ def duplicate_of(bins, others):
 
 
 def strangeness(all_views):
-    """For each of a class its mean distance to its three nearest others; the outliers have the largest. What has no views
-    is as strange as can be."""
+    """For each of a class its mean distance to its three nearest others; the outliers have the largest. What has no
+    views is as strange as can be."""
     count = len(all_views)
     if count < 2:
         return [0.0] * count

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """voxid acquire --review: a page on this machine's loopback that shows candidates turning, to keep or drop by click.
 
-Plain HTML: a card is the label of a check box, a strip of views moves behind a window of one. The address holds a secret, so
-that other pages and other users of the machine do not decide."""
+Plain HTML: a card is the label of a check box, a strip of views moves behind a window of one. The address holds a
+secret, so that other pages and other users of the machine do not decide."""
 import html
 import http.server
 import pathlib
@@ -21,7 +21,8 @@ MOST_FORM_BYTES = 1 << 20
 STYLE = f"""
 body {{ font: 15px sans-serif; margin: 1.5em; background: #f4f4f2; color: #222 }}
 form {{ display: flex; flex-wrap: wrap; gap: 12px }}
-label {{ width: {SIZE_PX}px; background: #fff; border: 3px solid #c33; border-radius: 6px; cursor: pointer; overflow: hidden }}
+label {{ width: {SIZE_PX}px; background: #fff; border: 3px solid #c33; border-radius: 6px; cursor: pointer }}
+label {{ overflow: hidden }}
 label:has(:checked) {{ border-color: #2a2 }}
 label:has(:not(:checked)) .turning {{ opacity: 0.35 }}
 .turning {{ width: {SIZE_PX}px; height: {SIZE_PX}px; animation: turn 3s steps({TURNS}) infinite }}
@@ -34,12 +35,13 @@ p {{ flex-basis: 100% }} button {{ font-size: 16px; padding: 6px 16px }}
 def page(word, passed, secret):
     cards = []
     for number, (strange, one) in enumerate(passed, 1):
-        about = [f"{number}. {one.candidate.title}", one.candidate.licence or "licence not stated", one.candidate.author,
-                 f"strangeness {strange:.2f}"]
+        about = [f"{number}. {one.candidate.title}", one.candidate.licence or "licence not stated",
+                 one.candidate.author, f"strangeness {strange:.2f}"]
         cards.append(f'<label><input type="checkbox" name="keep" value="{number}" checked>'
                      f'<div class="turning" style="background-image: url(/{secret}/{number}.png)"></div>'
                      f'<div class="about">{"<br>".join(html.escape(line) for line in about if line)}</div></label>')
-    return (f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>voxid: {html.escape(word)}</title><style>{STYLE}</style></head>'
+    return (f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>voxid: {html.escape(word)}</title>'
+            f'<style>{STYLE}</style></head>'
             f'<body><h1>{html.escape(word)}: {len(passed)} candidates</h1><form method="post" action="/{secret}/">'
             f'<p>Green is kept, red is dropped; a click changes it. The strangest are last.</p>{"".join(cards)}'
             f'<p><button>Keep the green ones</button></p></form></body></html>')
@@ -54,9 +56,14 @@ def strip(program, mesh):
     if not images:
         images = [np.zeros((8, 8), np.uint16)] * TURNS
     rows, columns = np.nonzero(np.max(images, axis=0))
-    window = (slice(rows.min(), rows.max() + 1), slice(columns.min(), columns.max() + 1)) if len(rows) else (slice(None), slice(None))
+    window = (slice(None), slice(None))
+    if len(rows):
+        window = (slice(rows.min(), rows.max() + 1), slice(columns.min(), columns.max() + 1))
     pictures = [judge.shaded(image[window], SIZE_PX, fill=False) for image in images]
     return cv2.imencode(".png", np.hstack(pictures))[1].tobytes()
+
+
+POLICY = "default-src 'none'; img-src 'self'; style-src 'unsafe-inline'; form-action 'self'"
 
 
 class Handler(http.server.BaseHTTPRequestHandler):
@@ -68,7 +75,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
     def send(self, data, kind="text/html; charset=utf-8", code=200):
         self.send_response(code)
         for name, text in (("Content-Type", kind), ("Content-Length", str(len(data))), ("Cache-Control", "no-store"),
-                           ("Content-Security-Policy", "default-src 'none'; img-src 'self'; style-src 'unsafe-inline'; form-action 'self'"),
+                           ("Content-Security-Policy", POLICY),
                            ("X-Frame-Options", "DENY"), ("Referrer-Policy", "no-referrer")):
             self.send_header(name, text)
         self.end_headers()
@@ -95,7 +102,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
         fields = urllib.parse.parse_qs(self.rfile.read(int(length[:9])).decode("ascii", "replace"))
         numbers = {int(text) for text in fields.get("keep", []) if text.isascii() and text.isdigit() and len(text) < 7}
         self.server.review.chosen = numbers & set(range(1, len(self.server.review.passed) + 1))
-        self.send(f"<!DOCTYPE html><title>voxid</title><h1>{len(self.server.review.chosen)} kept</h1><p>You may close this page.</p>".encode())
+        kept = len(self.server.review.chosen)
+        self.send(f"<!DOCTYPE html><title>voxid</title><h1>{kept} kept</h1><p>You may close this page.</p>".encode())
 
 
 class Review:

@@ -32,11 +32,13 @@ class Sketchfab(source.Source):
     def __init__(self, parts, timeout_s=30, environment=os.environ):
         self._token = environment.get(TOKEN, "").strip()
         if not self._token:
-            raise Failure(f"sketchfab wants a token: put yours (it is in your profile's settings there) into the environment as {TOKEN}", BAD_USE)
+            raise Failure(f"sketchfab wants a token: put yours (it is in your profile's settings there) into the "
+                          f"environment as {TOKEN}", BAD_USE)
         if not re.fullmatch(r"[\x21-\x7e]+", self._token):
             raise Failure(f"{TOKEN} holds what no token has: spaces or other than ASCII", BAD_USE)
         self._base = (environment.get(URL) or API).rstrip("/")
-        self._web, self._parts = Web(timeout_s, {"Accept": "application/json", "User-Agent": "voxid"}), pathlib.Path(parts)
+        self._web = Web(timeout_s, {"Accept": "application/json", "User-Agent": "voxid"})
+        self._parts = pathlib.Path(parts)
 
     def search(self, queries, synsets):
         seen = set()
@@ -75,9 +77,10 @@ class Sketchfab(source.Source):
         archives = _object(found, "archives")
         format_ = next((name for name in ARCHIVES if isinstance(archives.get(name), dict)), "gltf")
         user = _object(found, "user")
-        return source.Candidate("Sketchfab", source.file_name(uid), _text(title), format_, _bytes_of(_object(archives, format_)),
-                                _text(_object(found, "license").get("label")), _text(user.get("displayName") or user.get("username")),
-                                _text(found.get("viewerUrl")), query, uid)
+        author = user.get("displayName") or user.get("username")
+        return source.Candidate("Sketchfab", source.file_name(uid), _text(title), format_,
+                                _bytes_of(_object(archives, format_)), _text(_object(found, "license").get("label")),
+                                _text(author), _text(found.get("viewerUrl")), query, uid)
 
     def fetch(self, candidate, target, limit_bytes):
         offered = self._web.json(f"{self._base}/models/{candidate.place}/download", self._token)

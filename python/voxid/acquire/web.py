@@ -75,7 +75,8 @@ def _wait_of(headers):
 
 def _refusal(error, host):
     """What an answer above 399 means."""
-    reason = {401: "the token is not accepted", 403: "the token does not allow this", 404: "it is not there"}.get(error.code, error.reason)
+    reasons = {401: "the token is not accepted", 403: "the token does not allow this", 404: "it is not there"}
+    reason = reasons.get(error.code, error.reason)
     sentence = f"{host}: {error.code}, {reason}"
     if 300 <= error.code < 400:
         return Failure(f"{host}: {error.code}, it sends on to where nothing is fetched from")
@@ -85,8 +86,8 @@ def _refusal(error, host):
 
 
 class Web:
-    """`timeout_s`: without a byte for so long a try ends; twenty times that is the most for one file. Waits between tries
-    begin with a thirtieth of it and double."""
+    """`timeout_s`: without a byte for so long a try ends; twenty times that is the most for one file. Waits
+    between tries begin with a thirtieth of it and double."""
 
     def __init__(self, timeout_s=30, headers=None):
         self._timeout_s, self._headers, self._opener = timeout_s, headers or {}, _opener()
@@ -108,8 +109,8 @@ class Web:
         return self._tried(once, url)
 
     def download(self, remote, target, limit_bytes):
-        """Writes the file to `target`. What came before a broken line, in this run or an earlier one, is not fetched again:
-        it waits in `target`.part until the file is whole."""
+        """Writes the file to `target`. What came before a broken line, in this run or an earlier one, is not fetched
+        again: it waits in `target`.part until the file is whole."""
         if remote.size > limit_bytes:
             raise Failure(f"{remote.size} bytes, more than the limit of {limit_bytes}")
         part = _Part(target)
@@ -155,7 +156,8 @@ class Web:
                 problem = _refusal(error, host)
             except Again as again:
                 problem = again
-            except (urllib.error.URLError, http.client.HTTPException, TimeoutError, ConnectionError, ValueError) as error:
+            except (urllib.error.URLError, http.client.HTTPException, TimeoutError, ConnectionError,
+                    ValueError) as error:
                 problem = Again(f"{host}: {_reason(error, self._timeout_s)}")
             if isinstance(problem, Failure):
                 raise problem
@@ -240,7 +242,8 @@ def _digests_of(headers):
     found = {}
     texts = [("md5", headers.get("Content-MD5")), ("sha256", headers.get("x-amz-checksum-sha256"))]
     for name in ("Digest", "Repr-Digest"):
-        texts += [("sha256", text) for text in re.findall(r"sha-256=:?([A-Za-z0-9+/]+=*)", headers.get(name) or "", re.IGNORECASE)]
+        sums = re.findall(r"sha-256=:?([A-Za-z0-9+/]+=*)", headers.get(name) or "", re.IGNORECASE)
+        texts += [("sha256", text) for text in sums]
     for name, text in texts:
         try:
             if text:
