@@ -34,6 +34,7 @@ void ClassificationNodelet::onInit() {
   config_ = std::make_unique<dynamic_reconfigure::Server<ClassificationConfig>>(getPrivateNodeHandle());
   config_->setCallback([this](ClassificationConfig& config, std::uint32_t) { onConfig(config); });
   startTransforms();
+  remembers_ = getPrivateNodeHandle().param("memory", true);
   watch_.start(getPrivateNodeHandle().param<std::string>("index", ""),
                getPrivateNodeHandle().param("watch_index", true));
   followIndex(watch_.index() != nullptr);
@@ -82,6 +83,7 @@ void ClassificationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image,
   else
     setStatus(kBadInput, depth.status.sentence, objects.get());
   moveToTarget(objects.get());
+  fillAnswers(objects.get());
   objects->classify_ms = watch.ms();
   objects->latency_ms = static_cast<float>((ros::Time::now() - image->header.stamp).toSec() * 1e3);
   objects_.publish(objects);
@@ -124,6 +126,7 @@ void ClassificationNodelet::nameAll(const DepthView& depth, const Segments& segm
   const ClassifyParams wanted = params();
   RecogniserPool* const recognisers = this->recognisers(wanted.threads);
   pixels_.clear();
+  answers_.clear();
   for (const Segment& segment : segments.segments) {
     objects->objects.push_back(objectOf(segment));
     pixels_.push_back({segment.pixels.data(), segment.pixels.size()});
@@ -133,7 +136,7 @@ void ClassificationNodelet::nameAll(const DepthView& depth, const Segments& segm
     return;
   }
   const std::vector<Answer>& answers = recognisers->recogniseAll(depth, {pixels_.data(), pixels_.size()}, wanted);
-  for (std::size_t i = 0; i < answers.size(); ++i) fillAnswer(answers[i], recognisers->index(), &objects->objects[i]);
+  answers_.assign(answers.begin(), answers.end());
   objects->index = recognisers->index().path();
 }
 
@@ -147,6 +150,30 @@ void ClassificationNodelet::moveToTarget(Objects* objects) {
     if (objects->objects.empty()) return;
     setStatus(kNoTransform, statusText(kNoTransform) + " (" + error.what() + ")", objects);
   }
+}
+
+// Poses that did not come into the target frame cannot be compared with those before.
+void ClassificationNodelet::fillAnswers(Objects* objects) {
+  const bool comparable = objects->status != kNoTransform && objects->status != kBadInput;
+  const bool remembered = memory_ && comparable;
+  if (remembered) remember(*objects);
+  for (std::size_t i = 0; i < std::min(answers_.size(), objects->objects.size()); ++i) {
+    fillAnswer(answers_[i], recognisers_->index(), &objects->objects[i]);
+    if (remembered) objects->objects[i].number = memory_->numberOf(i);
+  }
+}
+
+void ClassificationNodelet::remember(const Objects& objects) {
+  sightings_.clear();
+  for (const Object& object : objects.objects) {
+    sightings_.push_back(
+        {eigenOf(object.pose.pose.position).cast<float>(), eigenOf(object.extents_m).cast<float>()});
+  }
+  memory_->update(microsecondsOf(objects.header.stamp), eigenOf(objects.table.normal).cast<float>(),
+                  {sightings_.data(), sightings_.size()}, MemoryParams());
+  const int min_score_permille = params().min_score_permille;
+  for (std::size_t i = 0; i < answers_.size(); ++i)
+    answers_[i] = memory_->remember(i, recognisers_->index(), answers_[i], min_score_permille);
 }
 
 void ClassificationNodelet::report(const Objects& objects, const Status& input) {
@@ -166,6 +193,7 @@ void ClassificationNodelet::followIndex(bool replaced) {
   if (replaced) {
     recognisers_.reset();  // of the index before; the next frame makes new ones
     recognisers(params().threads);
+    if (remembers_) memory_ = std::make_unique<ObjectMemory>(watch_.index()->categories().size);
     NODELET_INFO("index %s: %u models, %u views", watch_.index()->path().c_str(), watch_.index()->header().models,
                  watch_.index()->header().views);
   }

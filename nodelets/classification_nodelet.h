@@ -19,12 +19,14 @@
 #include "message_pool.h"
 #include "params.h"
 #include "recogniser_pool.h"
+#include "voxid/geometry/object_memory.h"
 
 namespace voxid {
 
 /// depth/image_raw + depth/camera_info + segments of one stamp -> objects, one message a frame. Parameters: ~index
 /// (path of a .vxi file), ~watch_index (true: a replaced file is used within a second), ~target_frame (empty: poses
-/// stay in the camera's frame).
+/// stay in the camera's frame), ~memory (true: what earlier frames said about an object counts, too, and it keeps its
+/// number; doc/memory.md; with a moving camera name a ~target_frame that rests).
 class ClassificationNodelet : public nodelet::Nodelet {
  public:
   ~ClassificationNodelet() override;
@@ -49,6 +51,8 @@ class ClassificationNodelet : public nodelet::Nodelet {
   double helpersCpuMs() const;
   void nameAll(const DepthView& depth, const Segments& segments, Objects* objects);
   void moveToTarget(Objects* objects);
+  void fillAnswers(Objects* objects);
+  void remember(const Objects& objects);
   void report(const Objects& objects, const Status& input);
   ClassifyParams params() const;
 
@@ -58,6 +62,10 @@ class ClassificationNodelet : public nodelet::Nodelet {
   IndexWatch watch_;
   std::unique_ptr<RecogniserPool> recognisers_;
   std::vector<ObjectPixels> pixels_;  // of the frame's objects
+  std::vector<Answer> answers_;       // to the frame's objects; empty without an index
+  bool remembers_ = true;
+  std::unique_ptr<ObjectMemory> memory_;
+  std::vector<Sighting> sightings_;
   MessagePool<Objects> pool_;
   std::string target_frame_;
   std::unique_ptr<tf2_ros::Buffer> transforms_;

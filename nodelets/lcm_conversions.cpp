@@ -40,7 +40,7 @@ void setBox(const sensor_msgs::RegionOfInterest& box, object_t* out) {
 
 object_t toLcm(const Object& object) {
   object_t out{};
-  out.id = object.id;
+  out.id = object.number != 0 ? static_cast<std::int32_t>(object.number) : object.id;
   out.label = object.label;
   out.synset = static_cast<int>(object.synset);
   out.score = object.score;

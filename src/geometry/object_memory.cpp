@@ -136,4 +136,13 @@ Answer ObjectMemory::remember(std::size_t sighting, const Index& index, const Ne
   return evidence.answer(index, min_score_permille, settled ? kHold : 0);
 }
 
+Answer ObjectMemory::remember(std::size_t sighting, const Index& index, const Answer& answer, int min_score_permille) {
+  std::array<Neighbour, Answer::kMaxAlternatives> met;
+  const auto count = static_cast<std::size_t>(answer.count);
+  for (std::size_t i = 0; i < count; ++i) met[i] = {answer.alternatives[i].view, answer.alternatives[i].distance};
+  std::sort(met.begin(), met.begin() + answer.count);
+  const Nearest nearest{{met.data(), count}, {met.data(), count}, 0};
+  return remember(sighting, index, nearest, answer, min_score_permille);
+}
+
 }  // namespace voxid

@@ -105,6 +105,25 @@ TEST_F(Chain, NamesTheThingsOnTheTable) {
   EXPECT_LT((eigenOf(ball->pose.pose.position) - scene.inCamera(scene.balls[0].centre_m)).norm(), 0.03);
 }
 
+TEST_F(Chain, AnObjectKeepsItsNumberAndAMovedOneHasANewOne) {
+  test::writeSceneIndex(index_path_);
+  start();
+  TableScene scene;
+  const ObjectsConstPtr first = objectsFor(scene.depth_mm());
+  ASSERT_TRUE(first && first->objects.size() == 2);
+  scene.balls[0].centre_m.x() += 0.1;
+  const ObjectsConstPtr second = objectsFor(scene.depth_mm());
+  ASSERT_TRUE(second && second->objects.size() == 2);
+  std::vector<std::uint32_t> before, after;
+  for (const Object& object : first->objects) before.push_back(object.number);
+  for (const Object& object : second->objects) after.push_back(object.number);
+  std::sort(before.begin(), before.end());
+  std::sort(after.begin(), after.end());
+  EXPECT_EQ(before, (std::vector<std::uint32_t>{1, 2}));
+  EXPECT_EQ(after[1], 3u);
+  EXPECT_TRUE(after[0] == 1 || after[0] == 2) << "the box, which rested";
+}
+
 TEST_F(Chain, DepthIsNotCopiedOnItsWayToClassification) {
   start();
   const ObjectsConstPtr objects = objectsFor(TableScene().depth_mm());

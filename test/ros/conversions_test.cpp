@@ -99,6 +99,12 @@ TEST(ToLcm, EveryFieldArrivesInLcmOrder) {
   EXPECT_EQ(o.truncated, 1);
 }
 
+TEST(ToLcm, TheIdIsTheNumberThatAnObjectKeeps) {
+  Objects objects = numberedObjects();
+  objects.objects[0].number = 70000;
+  EXPECT_EQ(toLcm(objects).objects[0].id, 70000);
+}
+
 TEST(ToLcm, AlwaysFitsOneDatagram) {
   Objects objects = numberedObjects();
   objects.table.outline.assign(2000, pointOf({1, 2, 3}));

@@ -47,8 +47,11 @@ class ObjectMemory {
   Answer remember(std::size_t sighting, const Index& index, const Nearest& nearest, const Answer& answer,
                   int min_score_permille);
 
+  /// The same where only the answer was kept: its categories, and no other, were met.
+  Answer remember(std::size_t sighting, const Index& index, const Answer& answer, int min_score_permille);
+
   /// The number of the i-th sighting; as from update, unless remember has found that it was exchanged.
-  std::uint32_t numberOf(std::size_t sighting) const { return numbers_[sighting]; }
+  std::uint32_t numberOf(std::size_t sighting) const { return sighting < numbers_.size() ? numbers_[sighting] : 0; }
 
  private:
   struct Track {
