@@ -8,19 +8,11 @@
 
 #include "voxid/core/depth_view.h"
 #include "voxid/core/span.h"
+#include "voxid/geometry/placement.h"
 #include "voxid/geometry/scene.h"
 #include "voxid/library/mesh.h"
 
 namespace voxid {
-
-/// Where something stands: q = rotation * (scale * p) + translation.
-struct Placement {
-  Eigen::Matrix3f rotation = Eigen::Matrix3f::Identity();
-  Eigen::Vector3f translation{0, 0, 0};
-  float scale = 1;
-
-  Eigen::Vector3f operator()(const Eigen::Vector3f& p) const { return rotation * (scale * p) + translation; }
-};
 
 /// Centres a mesh on its box and makes the box's diagonal 1.
 Placement unitPlacement(const Mesh& mesh);

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "voxid/geometry/alignment.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
+
+#include "geometry/solids.h"
+#include "voxid/library/model_surface.h"
+#include "voxid/library/renderer.h"
+#include "voxid/library/sensor_model.h"
+#include "voxid/library/views.h"
+
+namespace voxid {
+namespace {
+
+using Eigen::Matrix3f;
+using Eigen::Vector3f;
+
+Span<const format::Direction> directions() { return {viewDirections().data(), viewDirections().size()}; }
+
+struct Seen {
+  DepthImage image;
+  std::vector<std::uint32_t> pixels;
+
+  ObservedObject object() const {
+    ObservedObject object;
+    object.depth = image.view();
+    object.pixels = {pixels.data(), pixels.size()};
+    return object;
+  }
+};
+
+/// A noisy view of the mesh in a pose of its unit form.
+Seen look(const Mesh& mesh, const Placement& pose, std::uint64_t seed = 1) {
+  RayScene scene;
+  scene.add(mesh, unitPlacement(mesh));
+  scene.commit();
+  Seen seen{observe(scene, Imager(), pose, SensorParams(), seed), {}};
+  seen.pixels = seen.image.setPixels();
+  return seen;
+}
+
+Placement placed(float x_deg, float y_deg, float z_deg, const Vector3f& at_mm, float diagonal_mm) {
+  const float radian = 3.14159265f / 180;
+  Placement pose;
+  pose.rotation =
+      (Eigen::AngleAxisf(z_deg * radian, Vector3f::UnitZ()) * Eigen::AngleAxisf(y_deg * radian, Vector3f::UnitY()) *
+       Eigen::AngleAxisf(x_deg * radian, Vector3f::UnitX()))
+          .toRotationMatrix();
+  pose.translation = at_mm;
+  pose.scale = diagonal_mm;
+  return pose;
+}
+
+float degreesBetween(const Matrix3f& a, const Matrix3f& b) {
+  return Eigen::AngleAxisf(Matrix3f(a.transpose() * b)).angle() * 180 / 3.14159265f;
+}
+
+class AnyDirection : public testing::TestWithParam<Vector3f> {};
+
+TEST_P(AnyDirection, OfAModelWithoutSymmetryIsFoundWithItsScale) {
+  const Mesh mesh = test::corner();
+  const Placement truth = placed(GetParam().x(), GetParam().y(), GetParam().z(), {60, -40, 800}, 220);
+  const Seen seen = look(mesh, truth);
+  const AlignableModel model(surfaceOf(mesh), directions());
+  Aligner aligner;
+  aligner.observe(seen.object());
+  const Alignment found = aligner.align(model);
+  ASSERT_TRUE(found.found);
+  EXPECT_LT(degreesBetween(found.pose.rotation, truth.rotation), 3);
+  EXPECT_LT((found.pose.translation - truth.translation).norm(), 3);
+  EXPECT_NEAR(found.pose.scale, 220, 220 * 0.02f);
+  EXPECT_GT(found.explained, 0.9f);
+  EXPECT_LT(found.fit_mm, 2.5f);
+  EXPECT_TRUE(found.rotation_known);
+}
+INSTANTIATE_TEST_SUITE_P(Alignment, AnyDirection,
+                         testing::Values(Vector3f(30, 20, 0), Vector3f(200, -50, 70), Vector3f(-100, 120, 200),
+                                         Vector3f(75, 250, -33)));
+
+// A face that is seen from the front fits at any size; only its outline tells which.
+TEST(Alignment, ScaleOfAFlatFaceComesFromItsOutline) {
+  const Mesh mesh = test::box(160, 100, 4);
+  const Placement truth = placed(4, 3, 25, {0, 0, 800}, 200);
+  const Seen seen = look(mesh, truth);
+  const AlignableModel model(surfaceOf(mesh), directions());
+  Aligner aligner;
+  aligner.observe(seen.object());
+  EXPECT_NEAR(aligner.align(model).pose.scale, 200, 5);
+}
+
+TEST(Alignment, ABottleMayStandTurnedByAnyAngle) {
+  Mesh mesh;
+  test::addCylinder(mesh, 35, 0, 120);
+  test::addCylinder(mesh, 12, 120, 190);
+  const Seen seen = look(mesh, placed(-150, 0, 0, {0, 0, 700}, 230));
+  const AlignableModel model(surfaceOf(mesh), directions());
+  Aligner aligner;
+  aligner.observe(seen.object());
+  const Alignment found = aligner.align(model);
+  ASSERT_FALSE(found.rotation_known);
+  EXPECT_GT(std::abs(found.free_axis.dot(found.pose.rotation.col(1))), 0.999f);
+  const Eigen::Matrix3f rotation = found.covariance.block<3, 3>(3, 3);
+  EXPECT_GT(found.free_axis.dot(rotation * found.free_axis), 3);
+  const Vector3f across = found.free_axis.cross(Vector3f::UnitZ()).normalized();
+  EXPECT_LT(across.dot(rotation * across), 0.01f);
+}
+
+TEST(Alignment, NothingReachesBelowTheTable) {
+  const Mesh mesh = test::box(60, 120, 40);
+  const Placement truth = placed(-160, 30, 0, {0, 0, 800}, 150);
+  const Seen seen = look(mesh, truth);
+  ObservedObject object = seen.object();
+  // The table is 6 mm higher than where the box was drawn.
+  object.support.normal = truth.rotation.col(1);
+  const float bottom = 150 * 0.5f * 120 / std::sqrt(60.0f * 60 + 120 * 120 + 40 * 40);
+  object.support.distance_mm = -object.support.normal.dot(truth.translation) + bottom - 6;
+  const AlignableModel model(surfaceOf(mesh), directions());
+  Aligner aligner;
+  aligner.observe(object);
+  const Alignment found = aligner.align(model);
+  float lowest = std::numeric_limits<float>::max();
+  for (const Vector3f& p : model.surface().vertices)
+    lowest = std::min(lowest, object.support.normal.dot(found.pose(p)) + object.support.distance_mm);
+  EXPECT_GT(lowest, -3);
+}
+
+TEST(Alignment, TheSameTwice) {
+  const Mesh mesh = test::corner();
+  const Seen seen = look(mesh, placed(30, 20, 10, {0, 0, 900}, 250));
+  const AlignableModel model(surfaceOf(mesh), directions());
+  Aligner first, second;
+  first.observe(look(mesh, placed(80, 20, 10, {0, 0, 700}, 150)).object());
+  first.align(model);
+  first.observe(seen.object());
+  second.observe(seen.object());
+  const Alignment a = first.align(model), b = second.align(model);
+  EXPECT_EQ(a.pose.rotation, b.pose.rotation);
+  EXPECT_EQ(a.pose.translation, b.pose.translation);
+  EXPECT_EQ(a.pose.scale, b.pose.scale);
+  EXPECT_EQ(a.covariance, b.covariance);
+}
+
+TEST(Alignment, NothingIsFoundOfNothing) {
+  const Mesh mesh = test::corner();
+  const Seen seen = look(mesh, placed(30, 20, 10, {0, 0, 900}, 250));
+  const AlignableModel model(surfaceOf(mesh), directions()), nothing(ModelSurface{}, directions());
+  Aligner aligner;
+  EXPECT_FALSE(aligner.align(model).found) << "nothing was observed";
+  ObservedObject few = seen.object();
+  few.pixels.size = 19;
+  aligner.observe(few);
+  EXPECT_FALSE(aligner.align(model).found);
+  aligner.observe(seen.object());
+  EXPECT_FALSE(aligner.align(nothing).found);
+  ObservedObject blind = seen.object();
+  blind.depth.camera = Camera{};
+  aligner.observe(blind);
+  EXPECT_FALSE(aligner.align(model).found);
+}
+
+}  // namespace
+}  // namespace voxid
