@@ -6,35 +6,14 @@
 
 #include <algorithm>
 #include <cstring>
-#include <filesystem>
 
+#include "model_shelf.h"
 #include "voxid/library/mesh_reader.h"
 #include "voxid/library/model_view.h"
 #include "voxid/library/shrink_codes.h"
 
 namespace voxid::cli {
 namespace {
-
-namespace fs = std::filesystem;
-
-std::string nameOf(const Index& index, std::uint32_t model) {
-  return std::string(index.categoryName(index.models()[model].category)) + "/" + std::string(index.modelName(model));
-}
-
-/// The model's file; the first by name if several could be it, as in a build.
-Result<std::string> meshOf(const std::string& models, const std::string& name) {
-  const fs::path wanted = fs::path(models) / name;
-  std::vector<std::string> found;
-  std::error_code error;
-  for (fs::directory_iterator it(wanted.parent_path(), error), end; !error && it != end; it.increment(error)) {
-    const bool named = it->path().stem() == wanted.filename();
-    if (named && isMeshFile(it->path().filename().string())) found.push_back(it->path().string());
-  }
-  if (found.empty())
-    return Status::cannotDo(wanted.string() +
-                            ": no mesh of this name; --models expects the folder that the index was made from");
-  return *std::min_element(found.begin(), found.end());
-}
 
 /// Chosen views of one model: rows first to last - 1.
 struct ModelRows {
@@ -62,7 +41,7 @@ class Worker {
         codes_(comparedCodes(index)) {}
 
   Status describe(const ModelRows& rows) {
-    const std::string name = nameOf(index_, rows.model);
+    const std::string name = fullNameOf(index_, rows.model);
     const Result<std::string> path = meshOf(models_, name);
     if (!path.ok()) return path.status;
     const Result<Mesh> mesh = readMesh(path.value);

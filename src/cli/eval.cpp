@@ -8,6 +8,7 @@
 #include "compare_codes.h"
 #include "compare.h"
 #include "eval_memory.h"
+#include "eval_poses.h"
 #include "eval_queries.h"
 #include "eval_retrieval.h"
 #include "eval_scenes.h"
@@ -21,8 +22,9 @@ struct Options {
   CompareOptions compare;
   SceneOptions scenes;
   SearchChoice search;
+  PoseOptions poses;
   int every = 1, jobs = 1;
-  bool json = false, comparing = false, retrieval = false, unknown = false, memory = false;
+  bool json = false, comparing = false, retrieval = false, unknown = false, memory = false, posing = false;
 };
 
 std::string intervalText(const Json& interval) {
@@ -156,6 +158,27 @@ Status retrieve(const Options& options) {
   return {};
 }
 
+Status pose(const Options& options, const std::shared_ptr<const Index>& index) {
+  PoseOptions poses = options.poses;
+  poses.models = options.compare.models;
+  poses.unseen = options.unseen;
+  const auto result = evaluatePoses(index, options.search, poses);
+  if (!result.ok()) return result.status;
+  if (options.json) {
+    std::cout << lineOf(result.value);
+  } else {
+    printPoses(result.value);
+  }
+  return {};
+}
+
+Status checkPoses(const Options& options) {
+  if (options.compare.models.empty() || options.unseen.empty()) {
+    return Status::badUse("--poses needs --models DIR, the folder that the index was made from, and --unseen DIR, other models");
+  }
+  return {};
+}
+
 Status checkRetrieval(const Options& options) {
   if (options.compare.models.empty() || options.unseen.empty()) {
     return Status::badUse("--retrieval needs --models DIR, what is searched, and --unseen DIR, what is asked for");
@@ -165,14 +188,17 @@ Status checkRetrieval(const Options& options) {
 
 Status check(const Options& options) {
   if (options.retrieval) return checkRetrieval(options);
-  if (!options.unseen.empty() && !options.memory) return Status::badUse("--unseen is for --retrieval and --memory");
+  if (!options.unseen.empty() && !options.memory && !options.posing)
+    return Status::badUse("--unseen is for --retrieval, --memory and --poses");
   if (!options.scenes.evidence.names.empty() && options.scenes.folder.empty())
     return Status::badUse("--evidence is for --scenes");
   if (options.index.empty()) return Status::badUse("--index is required, except with --retrieval; see --help");
+  if (options.memory && options.posing) return Status::badUse("--poses excludes --memory");
   if (options.memory) {
     return options.unseen.empty() ? Status::badUse("--memory needs --unseen DIR, models that the index does not hold")
                                   : Status();
   }
+  if (options.posing) return checkPoses(options);
   if (options.queries.empty() == options.scenes.folder.empty()) {
     return Status::badUse("eval needs either --queries DIR or --scenes DIR");
   }
@@ -190,6 +216,7 @@ Status run(const Options& options) {
   if (!index.ok()) return index.status;
   if (const Status fits = options.search.check(*index.value); !fits.ok()) return fits;
   if (options.memory) return evaluateFrames(options, index.value);
+  if (options.posing) return pose(options, index.value);
   if (!options.scenes.folder.empty()) return evaluateReal(options, index.value);
   if (options.unknown) return evaluateScores(options, index.value);
   return options.comparing ? compare(options, index.value) : evaluate(options, index.value);
@@ -230,14 +257,24 @@ Run addEval(CLI::App& app) {
       ->type_name("PATH.png")
       ->needs(unknown);
   app.add_option("--models", options->compare.models,
-                 "With --compare, --unknown: the folder that the index was made from; with --retrieval: the models searched")
+                 "With --compare, --unknown, --poses: the folder that the index was made from; with --retrieval: the models searched")
       ->type_name("DIR");
   app.add_flag("--memory", options->memory,
                "What several frames say more than one: models of --unseen on a circle of twelve frames")
       ->excludes(queries, scenes, comparing, retrieval, unknown);
   app.add_option("--unseen", options->unseen,
-                 "With --retrieval, --memory: the models asked for, <category>/<model>.<ext>")
+                 "With --retrieval, --memory, --poses: the models asked for, <category>/<model>.<ext>")
       ->type_name("DIR");
+  CLI::Option* const posing = app.add_flag("--poses", options->posing,
+                                           "Poses and sizes of models, on views drawn anew whose pose is known")
+                                  ->excludes(queries, scenes, comparing, retrieval, unknown);
+  app.add_option("--objects", options->poses.objects, "With --poses: so many views of members, and of unseen models")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1000000))
+      ->needs(posing);
+  app.add_option("--seed", options->poses.seed, "With --poses: draws the models and their views")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1} << 31))
+      ->needs(posing);
   app.add_option("--every", options->every,
                  "Take each N-th query only; with --compare every query, and each N-th view of the index")
       ->type_name("N")

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "eval_poses.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+
+#include "../library/model_folder.h"
+#include "../library/random.h"
+#include "cpu_time.h"
+#include "evaluation.h"
+#include "mesh_file.h"
+#include "model_alignment.h"
+#include "pose_truth.h"
+
+namespace voxid::cli {
+namespace {
+
+/// The answer about one view.
+struct PoseOutcome {
+  PoseError given;  ///< by the right model
+  PoseError asked;  ///< by the model that was found; far off if it is another
+  double given_ms = 0, asked_ms = 0;
+  bool model_right = false;
+  double diagonal_off = 1;  ///< of the found model's box from the truth, a share
+  double normalised = -1;   ///< the error squared in deviations (of Alignment::covariance); -1: not a right pose
+};
+
+ObservedObject objectIn(const PosedView& view) {
+  ObservedObject object;
+  object.depth = view.image.view();
+  object.pixels = {view.pixels.data(), view.pixels.size()};
+  return object;
+}
+
+/// Draws views of models and asks for their poses.
+class PoseExaminer {
+ public:
+  PoseExaminer(std::shared_ptr<const Index> index, const SearchChoice& search, const PoseOptions& options)
+      : index_(std::move(index)), options_(options), recogniser_(index_, search), aligner_(index_, options.models) {}
+
+  /// A member of the index, drawn by `number`.
+  Result<PoseOutcome> askSeen(int number) {
+    Random random(seedOf("seen", options_.seed << 32 | static_cast<std::uint64_t>(number)));
+    const auto model = static_cast<std::uint32_t>(random.below(static_cast<int>(index_->models().size)));
+    const std::string name = fullNameOf(*index_, model);
+    const auto path = meshOf(options_.models, name);
+    if (!path.ok()) return path.status;
+    const auto mesh = readMeshFile(path.value);
+    if (!mesh.ok()) return mesh.status;
+    const auto shelved = aligner_.shelf().find(name);
+    if (!shelved.ok()) return shelved.status;
+    const PosedView view = drawPosedView(mesh.value, random.next());
+    PoseOutcome outcome;
+    align(view, *shelved.value, outcome);
+    const auto ranked = ask(view, outcome);
+    if (!ranked.ok()) return ranked.status;
+    outcome.model_right = !ranked.value.empty() && ranked.value[0].model == model;
+    if (outcome.model_right) outcome.asked = errorIn(ranked.value[0].alignment, view, *shelved.value);
+    return outcome;
+  }
+
+  /// A view of a stranger, drawn by `number`.
+  Result<PoseOutcome> askUnseen(const std::vector<ModelFile>& models, int number) {
+    Random random(seedOf("unseen", options_.seed << 32 | static_cast<std::uint64_t>(number)));
+    const auto mesh =
+        readMeshFile(models[static_cast<std::size_t>(random.below(static_cast<int>(models.size())))].path);
+    if (!mesh.ok()) return mesh.status;
+    PoseOutcome outcome;
+    const auto ranked = ask(drawPosedView(mesh.value, random.next()), outcome);
+    if (!ranked.ok()) return ranked.status;
+    return outcome;
+  }
+
+ private:
+  static PoseError errorIn(const Alignment& alignment, const PosedView& view, const ShelvedModel& shelved) {
+    if (!alignment.found) return {};
+    return errorOf(alignment.pose, view.pose, shelved.model.surface(), shelved.symmetry);
+  }
+
+  void align(const PosedView& view, const ShelvedModel& shelved, PoseOutcome& outcome) {
+    Alignment alignment;
+    outcome.given_ms = 1e-3 * usOf([&] {
+                         aligner_.aligner().observe(objectIn(view));
+                         alignment = aligner_.aligner().align(shelved.model);
+                       });
+    outcome.given = errorIn(alignment, view, shelved);
+    if (outcome.given.strict()) outcome.normalised = normalisedError(alignment, view.pose, shelved.symmetry);
+  }
+
+  /// Reading the models is not counted: a robot has read them before.
+  Result<std::vector<RankedModel>> ask(const PosedView& view, PoseOutcome& outcome) {
+    std::vector<RankedModel> ranked;
+    const Nearest* const found = recogniser_.nearest(view.image.view(), {view.pixels.data(), view.pixels.size()});
+    if (found == nullptr) return ranked;
+    for (const RankedModel& model : modelsOf(*index_, *found, ModelAligner::kModels)) {
+      const auto read = aligner_.shelf().find(fullNameOf(*index_, model.model));
+      if (!read.ok()) return read.status;
+    }
+    outcome.asked_ms =
+        1e-3 * usOf([&] {
+          const Nearest* const again = recogniser_.nearest(view.image.view(), {view.pixels.data(), view.pixels.size()});
+          ranked = aligner_.rank(objectIn(view), *again).value;
+        });
+    if (!ranked.empty() && ranked[0].alignment.found) {
+      outcome.diagonal_off = std::abs(static_cast<double>(ranked[0].alignment.pose.scale / view.pose.scale) - 1);
+    }
+    return ranked;
+  }
+
+  std::shared_ptr<const Index> index_;
+  const PoseOptions& options_;
+  Recogniser recogniser_;
+  ModelAligner aligner_;
+};
+
+using Outcomes = std::vector<PoseOutcome>;
+
+double medianOf(const Outcomes& outcomes, const std::function<double(const PoseOutcome&)>& value) {
+  std::vector<double> values;
+  for (const PoseOutcome& outcome : outcomes) values.push_back(value(outcome));
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double shareOf(const Outcomes& outcomes, const std::function<bool(const PoseOutcome&)>& holds) {
+  const auto count = std::count_if(outcomes.begin(), outcomes.end(), holds);
+  return static_cast<double>(count) / static_cast<double>(outcomes.size());
+}
+
+double roundedShare(double share) { return std::round(share * 1e4) / 1e4; }
+
+/// Mean of the squared errors in deviations, over the unknowns: 1 if covariances are what they claim.
+Json covarianceFigure(const Outcomes& outcomes) {
+  double sum = 0;
+  int count = 0;
+  for (const PoseOutcome& outcome : outcomes) {
+    if (outcome.normalised < 0) continue;
+    sum += outcome.normalised;
+    ++count;
+  }
+  return count > 0 ? Json(rounded(sum / count / kPoseUnknowns)) : Json(nullptr);
+}
+
+Json seenFigures(const Outcomes& outcomes) {
+  Json json;
+  json["objects"] = outcomes.size();
+  json["strict_given_model"] = roundedShare(shareOf(outcomes, [](const auto& o) { return o.given.strict(); }));
+  json["strict"] = roundedShare(shareOf(outcomes, [](const auto& o) { return o.model_right && o.asked.strict(); }));
+  json["model_right"] = roundedShare(shareOf(outcomes, [](const auto& o) { return o.model_right; }));
+  json["rotation_deg_median"] = rounded(medianOf(outcomes, [](const auto& o) { return o.given.rotation_deg; }));
+  json["translation_mm_median"] = rounded(medianOf(outcomes, [](const auto& o) { return o.given.translation_mm; }));
+  json["scale_percent_median"] =
+      rounded(medianOf(outcomes, [](const auto& o) { return std::abs(o.given.scale_percent); }));
+  json["normalised_error_mean"] = covarianceFigure(outcomes);
+  json["ms_given_model_median"] = rounded(medianOf(outcomes, [](const auto& o) { return o.given_ms; }));
+  json["ms_median"] = rounded(medianOf(outcomes, [](const auto& o) { return o.asked_ms; }));
+  return json;
+}
+
+Json unseenFigures(const Outcomes& outcomes) {
+  Json json;
+  json["objects"] = outcomes.size();
+  json["extents_within_share"] = roundedShare(shareOf(outcomes, [](const auto& o) { return o.diagonal_off <= 0.1; }));
+  json["ms_median"] = rounded(medianOf(outcomes, [](const auto& o) { return o.asked_ms; }));
+  return json;
+}
+
+Result<Outcomes> askAll(int objects, const std::function<Result<PoseOutcome>(int)>& ask) {
+  Outcomes outcomes;
+  for (int i = 0; i < objects; ++i) {
+    const Result<PoseOutcome> outcome = ask(i);
+    if (!outcome.ok()) return outcome.status;
+    outcomes.push_back(outcome.value);
+  }
+  return outcomes;
+}
+
+}  // namespace
+
+Result<Json> evaluatePoses(const std::shared_ptr<const Index>& index, const SearchChoice& search,
+                           const PoseOptions& options) {
+  const Result<ModelFolder> strangers = listModels(options.unseen);
+  if (!strangers.ok()) return strangers.status;
+  const std::vector<ModelFile>& models = strangers.value.models;
+  if (models.empty())
+    return Status::nothingFound(options.unseen + ": no model in it; expected <category>/<model>.<ext>");
+  PoseExaminer examiner(index, search, options);
+  const auto seen = askAll(options.objects, [&](int i) { return examiner.askSeen(i); });
+  if (!seen.ok()) return seen.status;
+  const auto unseen = askAll(options.objects, [&](int i) { return examiner.askUnseen(models, i); });
+  if (!unseen.ok()) return unseen.status;
+  return Json{{"seen", seenFigures(seen.value)}, {"unseen", unseenFigures(unseen.value)}};
+}
+
+void printPoses(const Json& result) {
+  const Json &seen = result["seen"], &unseen = result["unseen"];
+  const auto percent = [](const Json& share) { return 100 * share.get<double>(); };
+  std::printf(
+      "%d views of members: given the model %.1f %% strict, %.0f ms; from the view alone the model %.1f %%, model "
+      "and pose %.1f %%, %.0f ms\n",
+      seen["objects"].get<int>(), percent(seen["strict_given_model"]), seen["ms_given_model_median"].get<double>(),
+      percent(seen["model_right"]), percent(seen["strict"]), seen["ms_median"].get<double>());
+  std::printf("median errors given the model: %.2f degrees, %.2f mm, scale %.2f %%\n",
+              seen["rotation_deg_median"].get<double>(), seen["translation_mm_median"].get<double>(),
+              seen["scale_percent_median"].get<double>());
+  std::printf("%d views of unseen models: box diagonal within 10 %%: %.1f %%, %.0f ms\n", unseen["objects"].get<int>(),
+              percent(unseen["extents_within_share"]), unseen["ms_median"].get<double>());
+}
+
+}  // namespace voxid::cli
