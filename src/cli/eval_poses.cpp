@@ -24,7 +24,7 @@ struct PoseOutcome {
   double given_ms = 0, asked_ms = 0;
   bool model_right = false;
   double diagonal_off = 1;  ///< of the found model's box from the truth, a share
-  double normalised = -1;   ///< the error squared in deviations (of Alignment::covariance); -1: not a right pose
+  double normalised = -1;   ///< the error squared in deviations (of Alignment::covariance); -1: not near the truth
 };
 
 ObservedObject objectIn(const PosedView& view) {
@@ -33,6 +33,9 @@ ObservedObject objectIn(const PosedView& view) {
   object.pixels = {view.pixels.data(), view.pixels.size()};
   return object;
 }
+
+/// A rotation farther off is another one that looks alike, of which a covariance about the found one knows nothing.
+constexpr double kNearDeg = 5;
 
 /// Draws views of models and asks for their poses.
 class PoseExaminer {
@@ -86,7 +89,7 @@ class PoseExaminer {
                          alignment = aligner_.aligner().align(shelved.model);
                        });
     outcome.given = errorIn(alignment, view, shelved);
-    if (outcome.given.strict()) outcome.normalised = normalisedError(alignment, view.pose, shelved.symmetry);
+    if (outcome.given.strict() && outcome.given.rotation_deg <= kNearDeg) outcome.normalised = normalisedError(alignment, view.pose, shelved.symmetry);
   }
 
   /// Reading the models is not counted: a robot has read them before.

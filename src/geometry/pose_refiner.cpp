@@ -230,6 +230,9 @@ Judgement PoseRefiner::judge(const ModelSurface& surface, const Observation& see
 PoseCovariance PoseRefiner::covarianceAt(const ModelSurface& surface, const Observation& seen,
                                          const SupportPlane& support, bool outline, const Placement& pose) {
   constexpr int kBlock = 8;  // cells
+  // Errors that a whole face has in common (quantised disparities, the drawing of the model) do not show as differences
+  // between blocks: measured on views of known poses (doc/pose.md).
+  constexpr float kCommonErrors = 2.5f;
   painter_.draw(surface, pose, seen.grid);
   collect(seen, support, 4 * kDepthNoisePerMm * seen.centroid_mm.squaredNorm(), outline, pose);
   PoseVector gradient;
@@ -247,7 +250,7 @@ PoseCovariance PoseRefiner::covarianceAt(const ModelSurface& surface, const Obse
   const float for_unknowns = count / std::max(1.0f, count - kPoseUnknowns);
   const PoseMatrix inverse = bread.ldlt().solve(PoseMatrix::Identity());
   const PoseMatrix scaled = for_unknowns * inverse * meat * inverse.transpose() + inverse;
-  return units.asDiagonal() * scaled * units.asDiagonal();
+  return kCommonErrors * units.asDiagonal() * scaled * units.asDiagonal();
 }
 
 }  // namespace voxid

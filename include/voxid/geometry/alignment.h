@@ -80,8 +80,8 @@ struct Alignment {
                      ///< of all pixels of either
   float explained = 0;  ///< 0 to 1: share of the object's pixels that the model covers at their depth
   float fit_mm = 0;     ///< median distance of those from the model's surface
-  PoseCovariance covariance = PoseCovariance::Zero();  ///< of the errors' distribution, from residuals and geometry; far
-                                                       ///< too small for some objects yet (doc/pose.md)
+  PoseCovariance covariance = PoseCovariance::Zero();  ///< of the errors' distribution, from residuals and geometry,
+                                                       ///< about this pose; how honest: doc/pose.md
   bool rotation_known = true;                          ///< false: turned about `free_axis` the model fits as well
   Eigen::Vector3f free_axis{0, 0, 0};  ///< unit, camera frame, through the box centre; zero if rotation_known
 };
