@@ -35,7 +35,7 @@ class Index:
         """The code that this index is asked with: int8 in `default`, the 416 bins as uint8 in `paper`."""
     def nearest(self, code: npt.NDArray, count: int = 20, *, exact: bool = True,
                 lists: int = 32) -> Tuple[npt.NDArray[np.uint32], npt.NDArray[np.uint32]]:
-        """Numbers of the nearest views, nearest first, and their distances. `count`: 1 to 20. `exact=False`: only the
+        """Numbers of the nearest views, nearest first, and their distances. `count`: 1 to 64. `exact=False`: only the
         nearest `lists` lists of `default`, or the paper's buckets, are compared."""
     def place_of(self, view: int) -> Tuple[int, int, int]:
         """Category and model of a view, as numbers into `categories` and `models`, and its direction (0 to 79)."""

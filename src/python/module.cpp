@@ -28,7 +28,7 @@ template <typename T>
 using Array = py::array_t<T, py::array::c_style>;
 using Converted = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-void require(bool condition, const char* sentence) {
+void require(bool condition, const std::string& sentence) {
   if (!condition) throw py::value_error(sentence);
 }
 
@@ -188,7 +188,7 @@ class PyIndex {
     require(code.ndim() == 1 && code.itemsize() == 1 && static_cast<std::size_t>(code.size()) == bytes &&
                 code.strides(0) == 1,
             "code: expected a row of as many bytes as describe() of this index gives");
-    require(count >= 1 && count <= kNearestViews, "count: expected 1 to 20");
+    require(count >= 1 && count <= kNearestViews, "count: expected 1 to " + std::to_string(kNearestViews));
     std::vector<std::uint8_t> query(static_cast<const std::uint8_t*>(code.data()),
                                     static_cast<const std::uint8_t*>(code.data()) + bytes);
     std::vector<Neighbour> found;
@@ -364,7 +364,7 @@ PYBIND11_MODULE(_native, module) {
             const Found found = self.nearest(code, count, exact, lists);
             return py::make_tuple(found.views, found.distances);
           },
-          py::arg("code"), py::arg("count") = kNearestViews, py::kw_only(), py::arg("exact") = true,
+          py::arg("code"), py::arg("count") = 20, py::kw_only(), py::arg("exact") = true,
           py::arg("lists") = SearchParams{}.lists)
       .def("place_of", placeOf, py::arg("view"))
       .def_property_readonly("codes", codesOf)

@@ -49,6 +49,14 @@ def test_a_mesh_is_drawn_as_the_command_line_draws_it(voxid, models, image):
     assert (clean > 0).sum() > (depth > 0).sum() > 1000
 
 
+def test_the_number_of_nearest_views_is_bounded(index, image):
+    opened = voxid_module.Index.open(str(index))
+    code = opened.describe(image, None, CAMERA)
+    assert len(opened.nearest(code)[0]) == 20 and len(opened.nearest(code, 64)[0]) == 64
+    with pytest.raises(ValueError, match="1 to 64"):
+        opened.nearest(code, 65)
+
+
 def test_the_nearest_views_are_among_those_that_numpy_finds(index, image):
     """The search measures what it found anew, by codes moved towards their category's mean."""
     opened = voxid_module.Index.open(str(index))
