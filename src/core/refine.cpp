@@ -45,9 +45,9 @@ std::uint32_t movedDistance(const std::uint8_t* query, const std::uint8_t* code,
   return static_cast<std::uint32_t>(std::max<std::int64_t>(sums.query_query + kLength * kLength - along, 0));
 }
 
-void CodeMean::add(const std::uint8_t* code, std::int64_t times) {
-  for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] += times * signedBytes(code)[i];
-  codes_ += times;
+void CodeMean::add(const std::uint8_t* code) {
+  for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] += signedBytes(code)[i];
+  ++codes_;
 }
 
 void CodeMean::write(std::int8_t* mean) const {

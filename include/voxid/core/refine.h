@@ -20,7 +20,7 @@ std::uint32_t movedDistance(const std::uint8_t* query, const std::uint8_t* code,
 class CodeMean {
  public:
   explicit CodeMean(std::size_t code_bytes) : sums_(code_bytes) {}
-  void add(const std::uint8_t* code, std::int64_t times = 1);
+  void add(const std::uint8_t* code);
   bool empty() const { return codes_ == 0; }
   /// Rounded to nearest, halves away from zero. Some code was added.
   void write(std::int8_t* mean) const;
