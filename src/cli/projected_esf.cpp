@@ -16,7 +16,7 @@ namespace {
 
 using Roots = std::array<std::uint8_t, kEsfBins>;
 
-/// ESF's bins add up to about one in each of its ten histograms of 64, at most; a root of 1 is 255.
+/// ESF's bins add up to one over all 640, so that few roots are above 50 of 255.
 Roots rootsOf(const float* bins) {
   Roots roots;
   for (std::size_t i = 0; i < roots.size(); ++i) {
