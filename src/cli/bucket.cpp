@@ -10,8 +10,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "../library/model_folder.h"
-#include "mesh_file.h"
 #include "voxid/core/descriptor.h"
+#include "voxid/library/mesh_reader.h"
 #include "voxid/library/model_view.h"
 
 namespace voxid::cli {

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include "model_shelf.h"
 #include "voxid/library/mesh_reader.h"
+#include "voxid/library/model_shelf.h"
 #include "voxid/library/model_view.h"
 #include "voxid/library/shrink_codes.h"
 

@@ -11,7 +11,6 @@
 #include <thread>
 
 #include "evaluation.h"
-#include "mesh_file.h"
 #include "voxid/core/crc32c.h"
 #include "voxid/core/evidence.h"
 #include "voxid/library/mesh_reader.h"

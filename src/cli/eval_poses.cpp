@@ -10,9 +10,9 @@
 #include "../library/random.h"
 #include "cpu_time.h"
 #include "evaluation.h"
-#include "mesh_file.h"
-#include "model_alignment.h"
 #include "pose_truth.h"
+#include "voxid/library/mesh_reader.h"
+#include "voxid/library/model_aligner.h"
 
 namespace voxid::cli {
 namespace {
@@ -89,7 +89,8 @@ class PoseExaminer {
                          alignment = aligner_.aligner().align(shelved.model);
                        });
     outcome.given = errorIn(alignment, view, shelved);
-    if (outcome.given.strict() && outcome.given.rotation_deg <= kNearDeg) outcome.normalised = normalisedError(alignment, view.pose, shelved.symmetry);
+    if (outcome.given.strict() && outcome.given.rotation_deg <= kNearDeg)
+      outcome.normalised = normalisedError(alignment, view.pose, shelved.symmetry);
   }
 
   /// Reading the models is not counted: a robot has read them before.

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "command.h"
-#include "mesh_file.h"
 #include "table_scene.h"
+#include "voxid/library/mesh_reader.h"
 #include "voxid/library/sensor_model.h"
 #include "voxid/library/views.h"
 

@@ -266,4 +266,11 @@ Result<Mesh> readMesh(const std::string& path, const MeshReaderLimits& limits) {
   return mesh;
 }
 
+Result<Mesh> readMeshFile(const std::string& path) {
+  Result<Mesh> mesh = readMesh(path);
+  const bool named = mesh.status.sentence.compare(0, path.size(), path) == 0;
+  if (!mesh.ok() && !named) mesh.status.sentence = path + ": " + mesh.status.sentence;
+  return mesh;
+}
+
 }  // namespace voxid

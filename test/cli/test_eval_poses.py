@@ -48,4 +48,4 @@ def test_for_people(voxid, index, models, unseen):
 def test_what_cannot_be(voxid, index, models, unseen, tmp_path):
     voxid("eval", "--index", index, "--poses", "--models", models).refuses(2, "--unseen")
     voxid("eval", "--index", index, "--poses", "--models", models, "--unseen", tmp_path / "none").refuses(1, "none")
-    voxid("eval", "--index", index, "--poses", "--models", tmp_path, "--unseen", unseen).refuses(1, "--models", "made from")
+    voxid("eval", "--index", index, "--poses", "--models", tmp_path, "--unseen", unseen).refuses(1, "no mesh of this name", "made from")

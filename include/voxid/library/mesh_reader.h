@@ -24,6 +24,9 @@ bool isMeshFile(const std::string& name);
 /// cut or refers to vertices that it does not have. NothingFound: no triangle with an area.
 Result<Mesh> readMesh(const std::string& path, const MeshReaderLimits& limits = {});
 
+/// readMesh(), whose refusals all begin with the path.
+Result<Mesh> readMeshFile(const std::string& path);
+
 /// The two ways apart, without keepRenderable().
 Result<Mesh> readPly(const std::string& path);
 Result<Mesh> readByAssimp(const std::string& path, const MeshReaderLimits& limits = {});

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "model_shelf.h"
 #include "voxid/core/search.h"
 #include "voxid/geometry/aligned_choice.h"
+#include "voxid/library/model_shelf.h"
 
-namespace voxid::cli {
+namespace voxid {
 
 /// A model that an object may be.
 struct RankedModel {
@@ -31,7 +31,7 @@ class ModelAligner {
   ModelAligner(std::shared_ptr<const Index> index, const std::string& models)
       : index_(std::move(index)), shelf_(models) {}
 
-  /// The models of `nearest`, ordered anew. Fails if one of them cannot be read.
+  /// The models of `nearest`, ordered anew; those without a readable surface are left out. Fails if none has one.
   Result<std::vector<RankedModel>> rank(const ObservedObject& object, const Nearest& nearest);
 
   Aligner& aligner() { return aligner_; }
@@ -43,4 +43,4 @@ class ModelAligner {
   Aligner aligner_;
 };
 
-}  // namespace voxid::cli
+}  // namespace voxid

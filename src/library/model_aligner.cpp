@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "model_alignment.h"
+#include "voxid/library/model_aligner.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace voxid::cli {
+namespace voxid {
 namespace {
 
 void addModel(const Index& index, const Neighbour& neighbour, std::vector<RankedModel>& models) {
@@ -36,16 +36,23 @@ Result<std::vector<RankedModel>> ModelAligner::rank(const ObservedObject& object
   const std::vector<RankedModel> found = modelsOf(*index_, nearest, kModels);
   std::vector<std::shared_ptr<const ShelvedModel>> shelved;
   std::vector<ModelCandidate> candidates;
+  std::vector<RankedModel> readable;
+  Status unread;
   for (const RankedModel& model : found) {
     auto read = shelf_.find(fullNameOf(*index_, model.model));
-    if (!read.ok()) return read.status;
+    if (!read.ok()) {
+      if (unread.ok()) unread = read.status;
+      continue;
+    }
     candidates.push_back({&read.value->model, ratioOf(*index_, model.cost, found.front().cost)});
+    readable.push_back(model);
     shelved.push_back(std::move(read.value));
   }
+  if (candidates.empty() && !unread.ok()) return unread;
   aligner_.observe(object);
   std::vector<RankedModel> ranked;
   for (const ChosenModel& chosen : chooseByAlignment(aligner_, {candidates.data(), candidates.size()})) {
-    RankedModel model = found[chosen.candidate];
+    RankedModel model = readable[chosen.candidate];
     model.cost = chosen.cost;
     model.alignment = chosen.alignment;
     ranked.push_back(model);
@@ -53,4 +60,4 @@ Result<std::vector<RankedModel>> ModelAligner::rank(const ObservedObject& object
   return ranked;
 }
 
-}  // namespace voxid::cli
+}  // namespace voxid

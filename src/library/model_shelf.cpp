@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "model_shelf.h"
+#include "voxid/library/model_shelf.h"
 
 #include <algorithm>
 #include <filesystem>
 #include <vector>
 
-#include "mesh_file.h"
+#include "voxid/library/mesh_reader.h"
 #include "voxid/library/model_surface.h"
 #include "voxid/library/views.h"
 
-namespace voxid::cli {
+namespace voxid {
 namespace {
 
 namespace fs = std::filesystem;
@@ -26,9 +26,19 @@ Result<std::shared_ptr<const ShelvedModel>> readModel(const std::string& models,
       new ShelvedModel{{std::move(surface), {directions.data(), directions.size()}}, symmetry});
 }
 
+constexpr std::size_t kBytesOfABook = 256;                     // its name, and a refusal's sentence
+constexpr std::size_t kBytesOfLooks = std::size_t{100} << 10;  // see AlignableModel
+
+std::size_t bytesOf(const ShelvedModel& model) {
+  const ModelSurface& surface = model.model.surface();
+  return kBytesOfLooks + surface.vertices.size() * sizeof(surface.vertices[0]) +
+         surface.triangles.size() * sizeof(surface.triangles[0]);
+}
+
 }  // namespace
 
 Result<std::string> meshOf(const std::string& models, const std::string& name) {
+  if (models.empty()) return Status::cannotDo(name + ": no surface is known, as no folder of models is given");
   const fs::path wanted = fs::path(models) / name;
   std::vector<std::string> found;
   std::error_code error;
@@ -38,7 +48,7 @@ Result<std::string> meshOf(const std::string& models, const std::string& name) {
   }
   if (found.empty())
     return Status::cannotDo(wanted.string() +
-                            ": no mesh of this name; --models expects the folder that the index was made from");
+                            ": no mesh of this name; expected the folder of models that the index was made from");
   return *std::min_element(found.begin(), found.end());
 }
 
@@ -47,9 +57,24 @@ std::string fullNameOf(const Index& index, std::uint32_t model) {
 }
 
 Result<std::shared_ptr<const ShelvedModel>> ModelShelf::find(const std::string& name) {
-  const auto known = read_.find(name);
-  if (known != read_.end()) return known->second;
-  return read_.emplace(name, readModel(models_, name)).first->second;
+  auto book = books_.find(name);
+  if (book == books_.end()) {
+    auto model = readModel(models_, name);
+    const std::size_t bytes = kBytesOfABook + (model.ok() ? bytesOf(*model.value) : 0);
+    book = books_.emplace(name, Book{std::move(model), bytes, 0}).first;
+    bytes_ += bytes;
+  }
+  book->second.last_asked = ++asked_;
+  while (bytes_ > most_bytes_ && books_.size() > 1) forgetOldest();
+  return book->second.model;
 }
 
-}  // namespace voxid::cli
+void ModelShelf::forgetOldest() {
+  const auto oldest = std::min_element(books_.begin(), books_.end(), [](const auto& a, const auto& b) {
+    return a.second.last_asked < b.second.last_asked;
+  });
+  bytes_ -= oldest->second.bytes;
+  books_.erase(oldest);
+}
+
+}  // namespace voxid
