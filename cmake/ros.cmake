@@ -1,12 +1,12 @@
 # Messages, reconfigurable parameters and the catkin package itself.
 set(VOXID_CATKIN_COMPONENTS
   roscpp nodelet pluginlib message_filters dynamic_reconfigure diagnostic_updater camera_info_manager image_transport cv_bridge
-  tf2_ros std_msgs std_srvs sensor_msgs geometry_msgs visualization_msgs diagnostic_msgs)
+  tf2_ros std_msgs std_srvs sensor_msgs geometry_msgs shape_msgs visualization_msgs diagnostic_msgs)
 find_package(catkin REQUIRED COMPONENTS message_generation ${VOXID_CATKIN_COMPONENTS})
 
 add_message_files(FILES
-  Candidate.msg Object.msg Objects.msg Segment.msg Segments.msg TablePlane.msg)
-generate_messages(DEPENDENCIES std_msgs sensor_msgs geometry_msgs)
+  Candidate.msg ModelPose.msg Object.msg Objects.msg Segment.msg Segments.msg TablePlane.msg)
+generate_messages(DEPENDENCIES std_msgs sensor_msgs geometry_msgs shape_msgs)
 generate_dynamic_reconfigure_options(cfg/Capture.cfg cfg/Segmentation.cfg cfg/Classification.cfg)
 
 find_package(Eigen3 3.3 REQUIRED NO_MODULE)  # the geometry headers that are installed include it

@@ -128,8 +128,10 @@ void ClassificationNodelet::nameAll(const DepthView& depth, const Segments& segm
   pixels_.clear();
   answers_.clear();
   for (const Segment& segment : segments.segments) {
-    objects->objects.push_back(objectOf(segment));
     pixels_.push_back({segment.pixels.data(), segment.pixels.size()});
+    Object object = objectOf(segment);
+    fillShape(primitiveOf(depth, pixels_.back(), boxOf(segment)), &object.shape, &object.shape_pose);
+    objects->objects.push_back(std::move(object));
   }
   if (!recognisers) {
     if (objects->status == kOk) setStatus(kNoIndex, watch_.trouble(), objects);

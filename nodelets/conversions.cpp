@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model_pose.h"
+
 namespace voxid {
 namespace {
 
@@ -84,6 +86,7 @@ TablePlane tableOf(const Table& table) {
   for (const Eigen::Vector3f& corner : table.outline_m) message.outline.push_back(pointOf(corner.cast<double>()));
   message.inliers = table.inliers;
   message.residual_mm = table.residual_mm;
+  fillShape(primitiveOf(table), &message.shape, &message.shape_pose);
   return message;
 }
 
@@ -106,13 +109,17 @@ std::array<double, 36> arrayOf(const Matrix6& m) {
   return values;
 }
 
-void transformPose(const Eigen::Isometry3d& target_from_camera, Object* object) {
-  geometry_msgs::Pose& pose = object->pose.pose;
-  const Eigen::Quaterniond axes = Eigen::Quaterniond(target_from_camera.rotation()) * eigenOf(pose.orientation);
-  pose.position = pointOf(target_from_camera * eigenOf(pose.position));
-  pose.orientation = quaternionOf(axes);
-  const auto covariance = covarianceOf(axes, eigenOf(object->extents_m));
+void transformPose(const Eigen::Isometry3d& target_from_camera, geometry_msgs::Pose* pose) {
+  pose->position = pointOf(target_from_camera * eigenOf(pose->position));
+  pose->orientation = quaternionOf(Eigen::Quaterniond(target_from_camera.rotation()) * eigenOf(pose->orientation));
+}
+
+void transformObject(const Eigen::Isometry3d& target_from_camera, Object* object) {
+  transformPose(target_from_camera, &object->pose.pose);
+  const auto covariance = covarianceOf(eigenOf(object->pose.pose.orientation), eigenOf(object->extents_m));
   std::copy(covariance.begin(), covariance.end(), object->pose.covariance.begin());
+  if (object->shape.type != 0) transformPose(target_from_camera, &object->shape_pose);
+  transform(target_from_camera, &object->model_pose);
   object->centroid = pointOf(target_from_camera * eigenOf(object->centroid));
 }
 
@@ -203,6 +210,25 @@ Object objectOf(const Segment& segment) {
   return object;
 }
 
+OrientedBox boxOf(const Segment& segment) {
+  OrientedBox box;
+  box.centre_m = eigenOf(segment.pose.position).cast<float>();
+  box.axes = eigenOf(segment.pose.orientation).toRotationMatrix().cast<float>();
+  box.size_m = eigenOf(segment.extents_m).cast<float>();
+  return box;
+}
+
+void fillShape(const Primitive& primitive, shape_msgs::SolidPrimitive* shape, geometry_msgs::Pose* pose) {
+  const Eigen::Vector3d size_m = primitive.size_m.cast<double>();
+  shape->type = static_cast<std::uint8_t>(primitive.kind);
+  if (primitive.kind == PrimitiveKind::Cylinder)
+    shape->dimensions = {size_m.z(), size_m.x() / 2};
+  else
+    shape->dimensions = {size_m.x(), size_m.y(), size_m.z()};
+  pose->position = pointOf(primitive.centre_m.cast<double>());
+  pose->orientation = quaternionOf(rotationOf(primitive.axes));
+}
+
 void fillAnswer(const Answer& answer, const Index& index, Object* object) {
   if (answer.count == 0) return;
   for (int i = 0; i < answer.count; ++i) object->alternatives.push_back(candidateOf(answer.alternatives[i], index));
@@ -234,7 +260,8 @@ std::array<double, 36> covarianceOf(const Eigen::Quaterniond& box_axes, const Ei
 void transform(const Eigen::Isometry3d& target_from_camera, Objects* objects) {
   objects->table.normal = vectorOf(target_from_camera.rotation() * eigenOf(objects->table.normal));
   for (geometry_msgs::Point& corner : objects->table.outline) corner = pointOf(target_from_camera * eigenOf(corner));
-  for (Object& object : objects->objects) transformPose(target_from_camera, &object);
+  if (objects->table.shape.type != 0) transformPose(target_from_camera, &objects->table.shape_pose);
+  for (Object& object : objects->objects) transformObject(target_from_camera, &object);
 }
 
 sensor_msgs::PointCloud2 cloudOf(const DepthView& depth, const Segments& segments) {

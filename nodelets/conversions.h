@@ -17,6 +17,7 @@
 
 #include "voxid/core/classifier.h"
 #include "voxid/core/status.h"
+#include "voxid/geometry/primitive.h"
 #include "voxid/geometry/scene.h"
 
 namespace voxid {
@@ -44,6 +45,10 @@ bool fit(const Segments& segments, const DepthView& depth);
 
 /// What is known about an object before it is named: id, box, pose with covariance, sizes.
 Object objectOf(const Segment& segment);
+
+OrientedBox boxOf(const Segment& segment);
+/// Dimensions in the message's order: a box x, y, z; a cylinder height, radius.
+void fillShape(const Primitive& primitive, shape_msgs::SolidPrimitive* shape, geometry_msgs::Pose* pose);
 
 /// The answer of a search: label (empty unless known), score, margin, alternatives, model, view.
 void fillAnswer(const Answer& answer, const Index& index, Object* object);

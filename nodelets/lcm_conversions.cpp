@@ -16,19 +16,59 @@ void setAlternatives(const Object& object, std::size_t most, object_t* out) {
   out->num_alternatives = static_cast<int>(out->alternatives.size());
   for (std::size_t i = 0; i < out->alternatives.size(); ++i) {
     out->alternatives[i].label = object.alternatives[i].label;
+    out->alternatives[i].synset = static_cast<int>(object.alternatives[i].synset);
     out->alternatives[i].score = object.alternatives[i].score;
     out->alternatives[i].distance = object.alternatives[i].distance;
   }
 }
 
-void setPose(const geometry_msgs::PoseWithCovariance& pose, object_t* out) {
-  copyTo(out->position_m, pose.pose.position);
-  const geometry_msgs::Quaternion& q = pose.pose.orientation;
+/// Of any type with position_m and quat_wxyz.
+template <typename Out>
+void setPose(const geometry_msgs::Pose& pose, Out* out) {
+  copyTo(out->position_m, pose.position);
+  const geometry_msgs::Quaternion& q = pose.orientation;
   out->quat_wxyz[0] = q.w, out->quat_wxyz[1] = q.x, out->quat_wxyz[2] = q.y, out->quat_wxyz[3] = q.z;
+}
+
+template <typename Out>
+void setPose(const geometry_msgs::PoseWithCovariance& pose, Out* out) {
+  setPose(pose.pose, out);
   std::array<double, 36> covariance;
   std::copy(pose.covariance.begin(), pose.covariance.end(), covariance.begin());
   covariance = swapHalves(covariance);
   std::copy(covariance.begin(), covariance.end(), out->covariance);
+}
+
+solid_t solidOf(const shape_msgs::SolidPrimitive& shape, const geometry_msgs::Pose& pose) {
+  using shape_msgs::SolidPrimitive;
+  solid_t out{};
+  out.type = static_cast<std::int8_t>(shape.type);
+  if (shape.type == SolidPrimitive::BOX && shape.dimensions.size() == 3)
+    std::copy(shape.dimensions.begin(), shape.dimensions.end(), out.size_m);
+  if (shape.type == SolidPrimitive::CYLINDER && shape.dimensions.size() == 2) {
+    out.size_m[0] = out.size_m[1] = 2 * shape.dimensions[SolidPrimitive::CYLINDER_RADIUS];
+    out.size_m[2] = shape.dimensions[SolidPrimitive::CYLINDER_HEIGHT];
+  }
+  setPose(pose, &out);
+  return out;
+}
+
+model_pose_t modelPoseOf(const ModelPose& pose) {
+  model_pose_t out{};
+  out.status = static_cast<std::int8_t>(pose.status);
+  out.utime = microsecondsOf(pose.stamp);
+  out.label = pose.label;
+  out.model = pose.model;
+  setPose(pose.pose, &out);
+  out.scale_m = pose.scale_m;
+  out.scale_deviation_m = pose.scale_deviation_m;
+  copyTo(out.extents_m, pose.extents_m);
+  out.fit_mm = pose.fit_mm;
+  out.explained = pose.explained;
+  out.rotation_known = pose.rotation_known;
+  copyTo(out.free_axis, pose.free_axis);
+  std::copy(pose.symmetry.begin(), pose.symmetry.end(), out.symmetry);
+  return out;
 }
 
 void setBox(const sensor_msgs::RegionOfInterest& box, object_t* out) {
@@ -40,7 +80,8 @@ void setBox(const sensor_msgs::RegionOfInterest& box, object_t* out) {
 
 object_t toLcm(const Object& object) {
   object_t out{};
-  out.id = object.number != 0 ? static_cast<std::int32_t>(object.number) : object.id;
+  out.id = object.id;
+  out.number = static_cast<std::int32_t>(object.number);
   out.label = object.label;
   out.synset = static_cast<int>(object.synset);
   out.score = object.score;
@@ -51,6 +92,8 @@ object_t toLcm(const Object& object) {
   out.view = object.view;
   setPose(object.pose, &out);
   copyTo(out.extents_m, object.extents_m);
+  out.shape = solidOf(object.shape, object.shape_pose);
+  out.model_pose = modelPoseOf(object.model_pose);
   copyTo(out.centroid_m, object.centroid);
   setBox(object.box, &out);
   out.num_points = static_cast<int>(object.points);
@@ -100,6 +143,16 @@ object_list_t toLcm(const Objects& objects) {
   copyTo(list.table_normal, objects.table.normal);
   list.table_distance_m = objects.table.distance_m;
   setOutline(objects.table.outline, &list);
+  list.table_inliers = static_cast<int>(objects.table.inliers);
+  list.table_residual_mm = objects.table.residual_mm;
+  list.table_shape = solidOf(objects.table.shape, objects.table.shape_pose);
+  list.camera_frame = objects.camera_frame;
+  list.index = objects.index;
+  list.dropped.assign(objects.dropped.begin(), objects.dropped.end());
+  list.num_dropped = static_cast<int>(list.dropped.size());
+  list.segment_ms = objects.segment_ms;
+  list.classify_ms = objects.classify_ms;
+  list.latency_ms = objects.latency_ms;
   setObjects(objects, kMaxObjects, kMaxAlternatives, &list);
   for (std::size_t most = kMaxAlternatives; !fits(list) && most > 0; --most)
     setObjects(objects, kMaxObjects, most - 1, &list);

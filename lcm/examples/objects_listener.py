@@ -10,7 +10,7 @@ def show(message):
         rospy.loginfo("%s", message.status_text)
     for o in message.objects:
         p, e = o.pose.pose.position, o.extents_m
-        print(f"object id={o.id} label={o.label} score={o.score:.3f} frame={message.header.frame_id} "
+        print(f"object number={o.number} label={o.label} score={o.score:.3f} frame={message.header.frame_id} "
               f"position_m={p.x:.3f},{p.y:.3f},{p.z:.3f} extents_m={e.x:.3f},{e.y:.3f},{e.z:.3f}", flush=True)
 
 

@@ -49,7 +49,7 @@ class Inbox {
     ++messages;
     for (const voxid::object_t& object : list->objects) print(list->utime, object);
     if (const voxid::object_t* nearest = nearestWanted(*list))
-      std::printf("grasp id=%d label=%s distance_m=%.3f\n", nearest->id, nearest->label.c_str(), distance(*nearest));
+      std::printf("grasp number=%d label=%s distance_m=%.3f\n", nearest->number, nearest->label.c_str(), distance(*nearest));
     std::fflush(stdout);
   }
 
@@ -57,8 +57,8 @@ class Inbox {
 
  private:
   static void print(std::int64_t utime, const voxid::object_t& object) {
-    std::printf("object utime=%lld id=%d label=%s score=%.3f model=%s view=%d position_m=%.3f,%.3f,%.3f\n",
-                static_cast<long long>(utime), object.id, object.label.c_str(), object.score, object.model.c_str(),
+    std::printf("object utime=%lld number=%d label=%s score=%.3f model=%s view=%d position_m=%.3f,%.3f,%.3f\n",
+                static_cast<long long>(utime), object.number, object.label.c_str(), object.score, object.model.c_str(),
                 object.view, object.position_m[0], object.position_m[1], object.position_m[2]);
   }
 

@@ -76,11 +76,11 @@ def distance_m(o):
 def show(objects, wanted):
     for o in objects.objects:
         position = ",".join(f"{x:.3f}" for x in o.position_m)
-        print(f"object utime={objects.utime} id={o.id} label={o.label} score={o.score:.3f} model={o.model} "
+        print(f"object utime={objects.utime} number={o.number} label={o.label} score={o.score:.3f} model={o.model} "
               f"view={o.view} position_m={position}")
     nearest = min((o for o in objects.objects if wanted in ("", o.label)), key=distance_m, default=None)
     if nearest:
-        print(f"grasp id={nearest.id} label={nearest.label} distance_m={distance_m(nearest):.3f}")
+        print(f"grasp number={nearest.number} label={nearest.label} distance_m={distance_m(nearest):.3f}")
     sys.stdout.flush()
 
 

@@ -29,19 +29,31 @@ def as_table(pairs):
     return {name: int(number) for name, number in pairs}
 
 
+def constants_of_lcm(root, struct):
+    body = re.search(rf"^struct {struct} {{(.*?)^}}", (root / "lcm/voxid.lcm").read_text(), re.MULTILINE | re.DOTALL)[1]
+    return as_table(re.findall(r"(\w+)=(\d+)", re.search(r"const int8_t ([^;]*);", body)[1]))
+
+
+def constants_of_ros(root, message):
+    return as_table(re.findall(r"^uint8 (\w+)=(\d+)", (root / f"msg/{message}.msg").read_text(), re.MULTILINE))
+
+
 def statuses(root):
     scene = (root / "include/voxid/geometry/scene.h").read_text()
     body = re.search(r"enum class SceneStatus[^{]*{(.*?)};", scene, re.DOTALL)[1]
     header = as_table((re.sub(r"(?<!^)([A-Z])", r"_\1", name).upper(), number) for name, number in re.findall(r"(\w+) = (\d+)", body))
-    ros = as_table(re.findall(r"^uint8 (\w+)=(\d+)", (root / "msg/Objects.msg").read_text(), re.MULTILINE))
-    lcm = as_table(re.findall(r"(\w+)=(\d+)", re.search(r"const int8_t ([^;]*);", (root / "lcm/voxid.lcm").read_text())[1]))
-    return header, ros, lcm
+    return header, constants_of_ros(root, "Objects"), constants_of_lcm(root, "object_list_t")
 
 
 def test_statuses_agree_in_header_ros_and_lcm(root):
     header, ros, lcm = statuses(root)
     assert len(header) == 7
     assert header == ros == lcm
+
+
+def test_states_of_a_models_pose_agree_in_ros_and_lcm(root):
+    assert len(constants_of_ros(root, "ModelPose")) == 6
+    assert constants_of_ros(root, "ModelPose") == constants_of_lcm(root, "model_pose_t")
 
 
 def test_drop_reasons_are_those_that_the_messages_document(root):

@@ -96,6 +96,14 @@ TEST_F(Chain, NamesTheThingsOnTheTable) {
   EXPECT_NEAR((eigenOf(box->pose.pose.orientation) * Eigen::Vector3d::UnitZ()).dot(up), 1, 1e-3);
   EXPECT_NEAR(box->pose.covariance[0] + box->pose.covariance[7] + box->pose.covariance[14],
               eigenOf(box->extents_m).squaredNorm() / 12, 1e-6);
+  ASSERT_EQ(box->shape.type, shape_msgs::SolidPrimitive::BOX + 0);
+  EXPECT_NEAR(box->shape.dimensions[2], 0.12, 0.01);
+  EXPECT_LT((eigenOf(box->shape_pose.position) - centre).norm(), 0.02);
+  EXPECT_EQ(box->model_pose.status, ModelPose::OFF + 0);
+  ASSERT_EQ(objects->table.shape.type, shape_msgs::SolidPrimitive::BOX + 0);
+  EXPECT_NEAR(objects->table.shape.dimensions[1], 0.9, 0.03);
+  const Eigen::Vector3d above = scene.inCamera({0, scene.table_centre_y_m, -kTableThickness_m / 2});
+  EXPECT_LT((eigenOf(objects->table.shape_pose.position) - above).norm(), 0.03);
   const double u = centre.x() / centre.z() * TableScene::kFocal_px + TableScene::kCx_px;
   EXPECT_NEAR(box->box.x_offset + box->box.width / 2.0, u, 6);
 

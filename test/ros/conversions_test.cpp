@@ -8,6 +8,8 @@
 #include <set>
 
 #include "drawing.h"
+#include "from_lcm.h"
+#include "model_pose.h"
 #include "params.h"
 #include "table_scene.h"
 
@@ -18,9 +20,30 @@ using test::imageOf;
 using test::infoOf;
 using test::TableScene;
 
+/// No two fields alike, so that none can stand in for another.
+ModelPose numberedModelPose() {
+  ModelPose m;
+  m.status = ModelPose::ALIGNED;
+  m.stamp = ros::Time(1699999999, 987654000);
+  m.label = "cup";
+  m.model = "cup-9";
+  m.pose.pose.position = pointOf({1.5, 2.5, 3.5});
+  m.pose.pose.orientation = quaternionOf(Eigen::Quaterniond(0.8, 0.1, -0.5, 0.3162).normalized());
+  for (int i = 0; i < 36; ++i) m.pose.covariance[i] = 100 + i;
+  m.scale_m = 0.175f;
+  m.scale_deviation_m = 0.004f;
+  m.extents_m = vectorOf({0.11, 0.09, 0.07});
+  m.fit_mm = 1.25f;
+  m.explained = 0.93f;
+  m.free_axis = vectorOf({0.6, 0, 0.8});
+  m.symmetry[0] = 2, m.symmetry[1] = 0, m.symmetry[2] = 4;
+  return m;
+}
+
 Object numberedObject() {
   Object o;
   o.id = 3;
+  o.number = 70000;
   o.label = "mug";
   o.synset = 3797390;
   o.score = 0.87f;
@@ -29,6 +52,7 @@ Object numberedObject() {
   for (int i = 0; i < 10; ++i) {
     Candidate c;
     c.label = "c" + std::to_string(i);
+    c.synset = 200 + i;
     c.score = 0.1f * i;
     c.distance = 100.0f * i;
     o.alternatives.push_back(c);
@@ -39,6 +63,11 @@ Object numberedObject() {
   o.pose.pose.orientation = quaternionOf(Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5));
   for (int i = 0; i < 36; ++i) o.pose.covariance[i] = i;
   o.extents_m = vectorOf({0.1, 0.2, 0.3});
+  o.shape.type = shape_msgs::SolidPrimitive::CYLINDER;
+  o.shape.dimensions = {0.25, 0.0625};
+  o.shape_pose.position = pointOf({1.1, 2.1, 3.1});
+  o.shape_pose.orientation = quaternionOf(Eigen::Quaterniond(0.7, 0.1, 0.5, -0.5).normalized());
+  o.model_pose = numberedModelPose();
   o.centroid = pointOf({4, 5, 6});
   o.box.x_offset = 10, o.box.y_offset = 20, o.box.width = 30, o.box.height = 40;
   o.points = 777;
@@ -54,6 +83,18 @@ Objects numberedObjects() {
   objects.status_text = "why";
   objects.table.normal = vectorOf({0, 0, 1});
   objects.table.distance_m = 0.7f;
+  objects.table.shape.type = shape_msgs::SolidPrimitive::BOX;
+  objects.table.shape.dimensions = {1.2, 0.8, 0.02};
+  objects.table.shape_pose.position = pointOf({7, 8, 9});
+  objects.table.shape_pose.orientation = quaternionOf(Eigen::Quaterniond(0.9, 0.2, 0.3, 0.1).normalized());
+  objects.table.inliers = 45678;
+  objects.table.residual_mm = 0.7f;
+  objects.camera_frame = "eye";
+  objects.index = "kitchen.vxi";
+  objects.dropped = {5, 6, 7};
+  objects.segment_ms = 2.5f;
+  objects.classify_ms = 3.5f;
+  objects.latency_ms = 9.5f;
   objects.table.outline = {pointOf({0, 0, 0}), pointOf({1, 0, 0}), pointOf({1, 2, 0})};
   objects.objects = {numberedObject()};
   return objects;
@@ -73,6 +114,7 @@ TEST(ToLcm, EveryFieldArrivesInLcmOrder) {
 
   const object_t& o = list.objects[0];
   EXPECT_EQ(o.id, 3);
+  EXPECT_EQ(o.number, 70000);
   EXPECT_EQ(o.label, "mug");
   EXPECT_EQ(o.synset, 3797390);
   EXPECT_FLOAT_EQ(o.score, 0.87f);
@@ -99,10 +141,59 @@ TEST(ToLcm, EveryFieldArrivesInLcmOrder) {
   EXPECT_EQ(o.truncated, 1);
 }
 
-TEST(ToLcm, TheIdIsTheNumberThatAnObjectKeeps) {
+TEST(ToLcm, OfAModelsPoseInLcmOrder) {
+  const model_pose_t m = toLcm(numberedObjects()).objects[0].model_pose;
+  EXPECT_EQ(m.status, model_pose_t::ALIGNED + 0);
+  EXPECT_EQ(m.utime, 1699999999987654);
+  EXPECT_NEAR(m.quat_wxyz[0], 0.8, 1e-3);
+  EXPECT_NEAR(m.quat_wxyz[2], -0.5, 1e-3);
+  EXPECT_EQ(m.covariance[0], 121);   // rotation x, rotation x: ROS's row 3, column 3
+  EXPECT_EQ(m.covariance[3], 118);   // rotation x, position x
+  EXPECT_EQ(m.covariance[35], 114);  // position z, position z
+}
+
+TEST(ToLcm, ASolidHasItsSizeAlongItsAxes) {
+  const object_list_t list = toLcm(numberedObjects());
+  const solid_t& can = list.objects[0].shape;
+  EXPECT_EQ(can.type, solid_t::CYLINDER + 0);
+  EXPECT_EQ(std::vector<double>(can.size_m, can.size_m + 3), (std::vector<double>{0.125, 0.125, 0.25}));
+  EXPECT_EQ(list.table_shape.type, solid_t::BOX + 0);
+  EXPECT_EQ(list.table_shape.size_m[1], 0.8);
+}
+
+/// Every field that the message has now or later: what a serialised message holds, came back.
+template <typename Message>
+std::vector<std::uint8_t> serialised(const Message& message) {
+  std::vector<std::uint8_t> bytes(ros::serialization::serializationLength(message));
+  ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+  ros::serialization::serialize(stream, message);
+  return bytes;
+}
+
+/// Over the bytes of a datagram, too.
+object_list_t sent(const object_list_t& list) {
+  std::vector<std::uint8_t> datagram(static_cast<std::size_t>(list.getEncodedSize()));
+  list.encode(datagram.data(), 0, static_cast<int>(datagram.size()));
+  object_list_t received;
+  EXPECT_GT(received.decode(datagram.data(), 0, static_cast<int>(datagram.size())), 0);
+  return received;
+}
+
+TEST(RoundTrip, EveryFieldComesBackFromLcm) {
   Objects objects = numberedObjects();
-  objects.objects[0].number = 70000;
-  EXPECT_EQ(toLcm(objects).objects[0].id, 70000);
+  objects.header.stamp = ros::Time(1700000000, 123456000);  // LCM has microseconds
+  objects.objects[0].alternatives.resize(5);                // and as many alternatives
+  const Objects back = test::objectsOf(sent(toLcm(objects)));
+  EXPECT_EQ(back, objects);
+  EXPECT_EQ(serialised(back), serialised(objects));
+}
+
+TEST(RoundTrip, EmptyFieldsToo) {
+  for (Objects objects : {Objects(), numberedObjects()}) {
+    objects.header.stamp = ros::Time(5);
+    if (!objects.objects.empty()) objects.objects = {Object()};
+    EXPECT_EQ(serialised(test::objectsOf(sent(toLcm(objects)))), serialised(objects));
+  }
 }
 
 TEST(ToLcm, AlwaysFitsOneDatagram) {
@@ -167,8 +258,55 @@ TEST(Transform, MovesTableAndObjects) {
   EXPECT_NEAR(pose.orientation.x, std::sqrt(0.5), 1e-12);
   EXPECT_NEAR(pose.orientation.w, std::sqrt(0.5), 1e-12);
   EXPECT_NEAR(objects.objects[0].centroid.y, -6, 1e-12);
+  EXPECT_NEAR(objects.objects[0].shape_pose.position.y, -3.1, 1e-12);
+  EXPECT_NEAR(objects.table.shape_pose.position.z, 8, 1e-12);
   EXPECT_NEAR(objects.objects[0].pose.covariance[7], 0.15 * 0.15 / 3, 1e-12);   // the box's z lies along y now
   EXPECT_NEAR(objects.objects[0].pose.covariance[28], M_PI * M_PI / 3, 1e-12);  // and so does the unknown turn
+}
+
+ModelPose foundPose() {
+  Alignment alignment;
+  alignment.found = true;
+  alignment.pose.rotation = Eigen::AngleAxisf(float(M_PI / 2), Eigen::Vector3f::UnitZ()).toRotationMatrix();
+  alignment.pose.translation = {100, 200, 900};
+  alignment.pose.scale = 150;
+  alignment.covariance.diagonal() << 1, 4, 9, 0.01f, 0.02f, 0.03f, 0.0004f;
+  alignment.fit_mm = 1.5f;
+  alignment.explained = 0.75f;
+  alignment.rotation_known = false;
+  alignment.free_axis = {0, 1, 0};
+  const ModelSurface surface{{{-0.4f, -0.2f, -0.1f}, {0.4f, 0.2f, 0.1f}}, {}};
+  Symmetry symmetry;
+  symmetry.folds = {2, 0, 2};
+  return modelPoseOf(alignment, surface, symmetry);
+}
+
+TEST(ModelPose, IsInMetresWithItsCovariance) {
+  const ModelPose pose = foundPose();
+  EXPECT_EQ(pose.status, ModelPose::ALIGNED + 0);
+  EXPECT_NEAR(pose.pose.pose.position.z, 0.9, 1e-6);
+  EXPECT_NEAR(pose.pose.pose.orientation.z, std::sqrt(0.5), 1e-6);
+  EXPECT_NEAR(pose.pose.covariance[7], 4e-6, 1e-12);  // position y, m^2
+  EXPECT_NEAR(pose.pose.covariance[35], 0.03, 1e-6);  // rotation z, rad^2
+  EXPECT_NEAR(pose.scale_m, 0.15, 1e-6);
+  EXPECT_NEAR(pose.scale_deviation_m, 0.15 * 0.02, 1e-6);
+  EXPECT_NEAR(pose.extents_m.x, 0.8 * 0.15, 1e-6);
+  EXPECT_NEAR(pose.extents_m.z, 0.2 * 0.15, 1e-6);
+  EXPECT_FALSE(pose.rotation_known);
+  EXPECT_EQ(pose.free_axis.y, 1);
+  EXPECT_EQ(pose.symmetry[1], 0);
+  EXPECT_EQ(modelPoseOf({}, {}, {}).status, ModelPose::NOT_FOUND + 0);
+}
+
+TEST(ModelPose, MovesWithItsCovarianceAndFreeAxis) {
+  ModelPose pose = foundPose();
+  transform(Eigen::Translation3d(0, 0, 1) * Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()), &pose);
+  EXPECT_NEAR(pose.pose.pose.position.y, -0.9, 1e-6);
+  EXPECT_NEAR(pose.pose.pose.position.z, 1.2, 1e-6);
+  EXPECT_NEAR(pose.pose.covariance[7], 9e-6, 1e-12);  // the camera's z lies along y now
+  EXPECT_NEAR(pose.pose.covariance[14], 4e-6, 1e-12);
+  EXPECT_NEAR(pose.pose.covariance[28], 0.03, 1e-6);
+  EXPECT_NEAR(pose.free_axis.z, 1, 1e-12);
 }
 
 TEST(ViewOf, SharesThePixels) {
