@@ -32,31 +32,43 @@ struct Row {
   std::int32_t margin_row, lowest_row, highest_row, sign;
 };
 
+/// 1 for each pixel inside the bounds.
+inline void markBlock(const std::int32_t* values, const Row& row, int first, int count, std::uint8_t* states) {
+  for (int u = first; u < first + count; ++u) {
+    const std::int32_t value = values[u];
+    states[u] = static_cast<std::uint8_t>((value > 0) & (value > row.margin[u] + row.margin_row) &
+                                          (value > row.lowest[u] + row.lowest_row) &
+                                          (row.sign * value <= row.highest[u] + row.highest_row));
+  }
+}
+
+/// One more for each marked pixel at the depth of the one before it, if that is marked, too.
+inline void linkBlock(const std::int32_t* values, DepthStep gap, int first, int count, std::uint8_t* states) {
+  std::uint8_t linked[kBlock];
+  for (int i = 0; i < count; ++i) {
+    const int u = first + i;
+    linked[i] = static_cast<std::uint8_t>(static_cast<int>((states[u - 1] > 0) & gap.within(values[u - 1], values[u])) &
+                                          states[u]);
+  }
+  for (int i = 0; i < count; ++i) states[first + i] = static_cast<std::uint8_t>(states[first + i] + linked[i]);
+}
+
 VOXID_VECTORISED void markRow(const std::int32_t* values, const Row& bounds, int width, DepthStep gap,
                               std::uint8_t* states) {
   const Row row = bounds;
   for (int first = 0; first < width; first += kBlock) {
-    const int end = std::min(first + kBlock, width);
+    const int count = std::min(kBlock, width - first);
     int any = 0;
-    for (int u = first; u < end; ++u) any |= values[u] > row.margin[u] + row.margin_row;
+    for (int u = first; u < first + count; ++u) any |= values[u] > row.margin[u] + row.margin_row;
     if (!any) {
-      std::memset(states + first, 0, static_cast<std::size_t>(end - first));
-      continue;
+      std::memset(states + first, 0, static_cast<std::size_t>(count));
+    } else if (first > 0 && count == kBlock) {  // loops of known length
+      markBlock(values, row, first, kBlock, states);
+      linkBlock(values, gap, first, kBlock, states);
+    } else {
+      markBlock(values, row, first, count, states);
+      linkBlock(values, gap, std::max(first, 1), first > 0 ? count : count - 1, states);
     }
-    for (int u = first; u < end; ++u) {
-      const std::int32_t value = values[u];
-      states[u] = static_cast<std::uint8_t>((value > 0) & (value > row.margin[u] + row.margin_row) &
-                                            (value > row.lowest[u] + row.lowest_row) &
-                                            (row.sign * value <= row.highest[u] + row.highest_row));
-    }
-    const bool first_linked = first > 0 && states[first - 1] > 0 && gap.within(values[first - 1], values[first]);
-    std::uint8_t linked[kBlock];
-    for (int u = first; u + 1 < end; ++u) {
-      const int near = states[u] & states[u + 1] & static_cast<int>(gap.within(values[u], values[u + 1]));
-      linked[u - first] = static_cast<std::uint8_t>(near);
-    }
-    states[first] = static_cast<std::uint8_t>(states[first] + (states[first] & static_cast<int>(first_linked)));
-    for (int u = first; u + 1 < end; ++u) states[u + 1] = static_cast<std::uint8_t>(states[u + 1] + linked[u - first]);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "../core/vectorised.h"
 #include "rectangle.h"
 
 namespace voxid {
@@ -11,41 +12,21 @@ namespace {
 
 constexpr int kColumns = 256;  // of the plan; in each only the points at either end can be corners
 
+/// Of an object's points in the plan.
 struct Sums {
   std::int64_t x = 0, y = 0, height = 0;
-  std::int32_t highest_um = 0, first_x = std::numeric_limits<std::int32_t>::max(),
-               last_x = std::numeric_limits<std::int32_t>::min();
-  int left = std::numeric_limits<int>::max(), right = 0;  ///< columns
-
-  void addColumns(const Surface& surface, Run run) {
-    const int begin = static_cast<int>(run.begin) - surface.row(run.begin) * surface.inverse.width_px;
-    left = std::min(left, begin);
-    right = std::max(right, begin + static_cast<int>(run.end - run.begin));
-  }
-  void add(const PlanRays::Placed& placed, int count) {
-    for (int i = 0; i < count; ++i) {
-      x += placed.x_um[i];
-      y += placed.y_um[i];
-      height += placed.height_um[i];
-      highest_um = std::max(highest_um, placed.height_um[i]);
-      first_x = std::min(first_x, placed.x_um[i]);
-      last_x = std::max(last_x, placed.x_um[i]);
-    }
-  }
+  std::int32_t highest_um = 0;
 };
 
-/// visit(run) for ascending pixels.
-template <typename Visit>
-void visitRuns(Span<const std::uint32_t> pixels, std::uint32_t width, Visit visit) {
-  for (std::size_t i = 0; i < pixels.size;) {
-    const std::uint32_t begin = pixels[i], row_end = begin - begin % width + width;
-    std::uint32_t end = begin;
-    while (i < pixels.size && pixels[i] == end && end < row_end) {
-      ++end;
-      ++i;
-    }
-    visit(Run{begin, end});
+VOXID_VECTORISED void addTo(Sums& sums, const PlanRays::Placed& placed, int count) {
+  Sums s = sums;
+  for (int i = 0; i < count; ++i) {
+    s.x += placed.x_um[i];
+    s.y += placed.y_um[i];
+    s.height += placed.height_um[i];
+    s.highest_um = std::max(s.highest_um, placed.height_um[i]);
   }
+  sums = s;
 }
 
 bool touchesBorder(const PixelBox& box, int width_px, int height_px) {
@@ -72,17 +53,18 @@ BoxFitter::BoxFitter() : columns_(kColumns) {
   hull_.resize(4 * kColumns);
 }
 
-void BoxFitter::reserve(std::size_t pixels) { points_.reserve(pixels); }
+void BoxFitter::reserve(std::size_t pixels) { outermost_.reserve(pixels); }
 
 /// Keeps, in each column of the plan, the lowest and the highest point.
-void BoxFitter::bin(std::int32_t first_x, std::int64_t width_um) {
+void BoxFitter::bin(Span<const Point2> points) {
   constexpr Column kEmpty{{0, std::numeric_limits<std::int32_t>::max()}, {0, std::numeric_limits<std::int32_t>::min()}};
   std::fill(columns_.begin(), columns_.end(), kEmpty);
-  const double per_um = kColumns / static_cast<double>(width_um + 1);
-  for (const Point2& p : points_) {
-    const double offset_um = static_cast<double>(p.x) - first_x;
+  const auto [first, last] =
+      std::minmax_element(points.begin(), points.end(), [](const Point2& p, const Point2& q) { return p.x < q.x; });
+  const double first_x = first->x, per_um = kColumns / (last->x - first_x + 1);
+  for (const Point2& p : points) {
     Column& column =
-        columns_[static_cast<std::size_t>(std::min<int>(static_cast<int>(offset_um * per_um), kColumns - 1))];
+        columns_[static_cast<std::size_t>(std::min(static_cast<int>((p.x - first_x) * per_um), kColumns - 1))];
     if (p.y < column.lowest.y) column.lowest = p;
     if (p.y > column.highest.y) column.highest = p;
   }
@@ -101,17 +83,20 @@ std::size_t BoxFitter::hull() {
 }
 
 void BoxFitter::fit(const Surface& surface, Cluster& cluster) {
-  points_.clear();
+  outermost_.clear();
   Sums sums;
+  int left = surface.inverse.width_px, right = 0;
   visitRuns(cluster.pixels, static_cast<std::uint32_t>(surface.inverse.width_px), [&](Run run) {
-    sums.addColumns(surface, run);
+    const int begin = static_cast<int>(run.begin) - surface.row(run.begin) * surface.inverse.width_px;
+    left = std::min(left, begin);
+    right = std::max(right, begin + static_cast<int>(run.end - run.begin));
     surface.visitPlaced(run, [&](const PlanRays::Placed& placed, int count) {
-      sums.add(placed, count);
-      for (int i = 0; i < count; ++i) points_.push_back({placed.x_um[i], placed.y_um[i]});
+      addTo(sums, placed, count);
+      outermost_.add(placed.x_um, placed.y_um, count);
     });
   });
   const int top = surface.row(cluster.pixels[0]), bottom = surface.row(cluster.pixels[cluster.pixels.size - 1]);
-  cluster.box_px = {sums.left, top, sums.right - sums.left, bottom - top + 1};
+  cluster.box_px = {left, top, right - left, bottom - top + 1};
   cluster.truncated |= touchesBorder(cluster.box_px, surface.inverse.width_px, surface.inverse.height_px);
   const double per_point = 1e-6 / static_cast<double>(cluster.pixels.size);
   cluster.centroid_m = surface.plan
@@ -119,7 +104,7 @@ void BoxFitter::fit(const Surface& surface, Cluster& cluster) {
                                  static_cast<double>(sums.height) * per_point)
                            .cast<float>();
 
-  bin(sums.first_x, static_cast<std::int64_t>(sums.last_x) - sums.first_x);
+  bin(outermost_.points());
   const std::size_t size = hull();
   const Rectangle r = smallestRectangle({hull_.data(), size});
   const double height_m = sums.highest_um * 1e-6;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "inverse_depth.h"
+#include "outermost.h"
 #include "surface.h"
 #include "voxid/geometry/scene.h"
 
@@ -26,10 +27,10 @@ class BoxFitter {
   struct Column {
     Point2 lowest, highest;
   };
-  void bin(std::int32_t first_x, std::int64_t width_um);
+  void bin(Span<const Point2> points);
   std::size_t hull();
 
-  std::vector<Point2> points_;  // of one cluster, in the plan
+  Outermost outermost_;  // of one cluster, in the plan
   std::vector<Column> columns_;
   std::vector<Point2> sorted_, hull_;
 };

@@ -4,13 +4,40 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <numeric>
 #include <utility>
+
+#include "../core/vectorised.h"
 
 namespace voxid {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffff;
 constexpr std::uint8_t kLinked = 2;  ///< of AboveTable's states
+constexpr std::uint32_t kColumnsAtOnce = 64;
+
+/// First pixel from u on that is not linked to the one before; at the latest the zeros behind the row.
+int endOfLinked(const std::uint8_t* states, int u) {
+  constexpr std::uint64_t kEightLinked = 0x0202020202020202;
+  for (std::uint64_t eight;; u += static_cast<int>(sizeof eight)) {
+    std::memcpy(&eight, states + u, sizeof eight);
+    if (eight != kEightLinked) break;
+  }
+  while (states[u] == kLinked) ++u;
+  return u;
+}
+
+/// Whether one of the columns was last above the table some rows before `row`, at most `farthest`, and not in the one
+/// before.
+VOXID_VECTORISED bool anyHole(const std::uint32_t* last_rows, std::uint32_t count, std::uint32_t row,
+                              std::uint32_t farthest) {
+  std::uint32_t any = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint32_t steps = row - last_rows[i];
+    any |= static_cast<std::uint32_t>((steps > 1) & (steps <= farthest));
+  }
+  return any != 0;
+}
 
 }  // namespace
 
@@ -74,19 +101,24 @@ void Components::linkAlongRow(const Surface& surface, std::uint32_t run) {
 
 /// The same along each of its columns.
 void Components::linkAlongColumns(const Surface& surface, std::uint32_t run, int v) {
-  const auto width = static_cast<std::uint32_t>(surface.inverse.width_px);
-  const std::uint32_t row_begin = static_cast<std::uint32_t>(v) * width;
-  for (std::uint32_t pixel = runs_[run].begin; pixel < runs_[run].end; ++pixel) {
-    std::uint32_t& last_run = last_run_in_column_[pixel - row_begin];
-    std::uint32_t& last_row = last_in_column_[pixel - row_begin];
-    const std::uint32_t steps = static_cast<std::uint32_t>(v) - last_row;
-    if (steps > 1 && steps <= farthest_link_ && last_run != kNone &&
-        nearInSpace(surface, pixel, pixel - steps * width)) {
-      unite(run, last_run);
+  const auto width = static_cast<std::uint32_t>(surface.inverse.width_px), row = static_cast<std::uint32_t>(v);
+  const std::uint32_t row_begin = row * width;
+  const std::uint32_t begin = runs_[run].begin - row_begin, end = runs_[run].end - row_begin;
+  std::uint32_t* const last_rows = last_in_column_.data();
+  std::uint32_t* const last_runs = last_run_in_column_.data();
+  for (std::uint32_t first = begin; first < end; first += kColumnsAtOnce) {
+    const std::uint32_t count = std::min(kColumnsAtOnce, end - first);
+    if (!anyHole(last_rows + first, count, row, farthest_link_)) continue;
+    for (std::uint32_t u = first; u < first + count; ++u) {
+      const std::uint32_t steps = row - last_rows[u], pixel = row_begin + u;
+      if (steps > 1 && steps <= farthest_link_ && last_runs[u] != kNone &&
+          nearInSpace(surface, pixel, pixel - steps * width)) {
+        unite(run, last_runs[u]);
+      }
     }
-    last_run = run;
-    last_row = static_cast<std::uint32_t>(v);
   }
+  std::fill(last_runs + begin, last_runs + end, run);
+  std::fill(last_rows + begin, last_rows + end, row);
 }
 
 /// `above`: first run of the row before that may touch this run or a later one.
@@ -119,8 +151,7 @@ void Components::addRow(const Surface& surface, int v) {
       ++u;
     } else {
       const int begin = u;
-      do ++u;
-      while (states[u] == kLinked);  // ends at the zeros behind the row
+      u = endOfLinked(states, u + 1);
       addRun(surface, {row_begin + static_cast<std::uint32_t>(begin), row_begin + static_cast<std::uint32_t>(u)}, v,
              above);
     }
@@ -225,8 +256,13 @@ void Components::collect(std::size_t first, std::vector<std::uint32_t>& pixels) 
   if (parts_[first].next != first) {
     std::sort(gathered_.begin(), gathered_.end(), [](Run a, Run b) { return a.begin < b.begin; });
   }
+  std::size_t at = pixels.size();
+  pixels.resize(at + parts_[first].group_pixels);
   for (const Run& run : gathered_) {
-    for (std::uint32_t pixel = run.begin; pixel < run.end; ++pixel) pixels.push_back(pixel);
+    const auto length = static_cast<std::size_t>(run.end - run.begin);
+    std::iota(pixels.begin() + static_cast<std::ptrdiff_t>(at),
+              pixels.begin() + static_cast<std::ptrdiff_t>(at + length), run.begin);
+    at += length;
   }
 }
 

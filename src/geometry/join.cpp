@@ -8,6 +8,8 @@
 #include <limits>
 #include <numeric>
 
+#include "../core/vectorised.h"
+
 namespace voxid {
 namespace {
 
@@ -35,6 +37,21 @@ std::int32_t inverseOf(std::int32_t depth_um) {
 
 /// Of the image's lines every second one is looked at, from 640 columns on.
 int lineStep(int width_px) { return std::max(1, width_px / 320); }
+
+std::uint64_t eightAt(const std::uint8_t* first) {
+  std::uint64_t eight;
+  std::memcpy(&eight, first, sizeof eight);
+  return eight;
+}
+
+VOXID_VECTORISED void orInto(const std::uint8_t* from, int count, std::uint8_t* to) {
+  for (int i = 0; i < count; ++i) to[i] = static_cast<std::uint8_t>(to[i] | from[i]);
+}
+
+/// Whole millimetres, at most kHighest_mm.
+VOXID_VECTORISED void toMillimetres(const std::int32_t* heights_um, int count, std::int32_t* heights_mm) {
+  for (int i = 0; i < count; ++i) heights_mm[i] = std::clamp(heights_um[i] / 1000, 0, kHighest_mm);
+}
 
 /// Directions in the plan: away from the camera's foot through a piece, and to the right of that.
 struct ViewerAxes {
@@ -120,7 +137,10 @@ Joiner::Joiner() {
   pieces_.reserve(kMostPieces + 1);
 }
 
-void Joiner::reserve(std::size_t pixels) { piece_.reserve(pixels); }
+void Joiner::reserve(std::size_t pixels) {
+  piece_.reserve(pixels);
+  occupied_.reserve(pixels);
+}
 
 void Joiner::takePieces(const Surface& surface, std::size_t fewest, const Components& components) {
   piece_.assign(surface.inverse.values.size(), 0);
@@ -139,20 +159,36 @@ void Joiner::takePieces(const Surface& surface, std::size_t fewest, const Compon
     }
     for (std::size_t k = 1; k < pieces_.size(); ++k) lines(static_cast<int>(i), static_cast<int>(k)) = Lines{};
   }
+  markOccupied(static_cast<std::size_t>(surface.inverse.width_px));
 }
 
-/// From the first pixel of a run back to the piece that it faces.
-void Joiner::faceBack(const InverseDepth& inverse, std::size_t pixel, std::size_t stride, int farthest_px) {
+void Joiner::markOccupied(std::size_t width) {
+  const std::size_t rows = piece_.size() / width;
+  occupied_.assign((rows + kBlockRows - 1) / kBlockRows * width, 0);
+  for (std::size_t row = 0; row < rows; ++row) {
+    orInto(piece_.data() + row * width, static_cast<int>(width), occupied_.data() + row / kBlockRows * width);
+  }
+}
+
+/// From a pixel back to the piece that it faces, at most `farthest_px` pixels away. skipped(k): how many pixels from
+/// the k-th on are known to be of no piece.
+template <typename Skipped>
+void Joiner::faceBack(const InverseDepth& inverse, std::size_t pixel, std::size_t stride, int farthest_px,
+                      Skipped skipped) {
   const int here = piece_[pixel];
   const std::int32_t depth_um = depthUmOf(inverse.values[pixel]);
   const std::int32_t nearest = inverseOf(depth_um - kDepthsWithin_um),
                      farthest = inverseOf(depth_um + kDepthsWithin_um);
+  const std::int32_t least_hiding = inverseOf(depth_um - kNearer_um);
   std::int32_t between = inverseOf(1000);  // the farthest depth seen between the two
   for (int k = 1; k <= farthest_px; ++k) {
+    // Past table nothing can be hidden any more, and only the next piece matters.
+    if (between < least_hiding) k += skipped(k);
+    if (k > farthest_px) return;
     const std::size_t p = pixel - static_cast<std::size_t>(k) * stride;
-    const std::int32_t value = inverse.values[p];
     const int other = piece_[p];
     if (other == here) return;
+    const std::int32_t value = inverse.values[p];
     if (other != 0 && value >= farthest && value <= nearest) {
       Lines& pair = lines(std::min(here, other), std::max(here, other));
       ++pair.facing;
@@ -163,10 +199,31 @@ void Joiner::faceBack(const InverseDepth& inverse, std::size_t pixel, std::size_
   }
 }
 
+void Joiner::faceLeft(const InverseDepth& inverse, std::size_t pixel, int farthest_px) {
+  faceBack(inverse, pixel, 1, farthest_px, [&](int k) {
+    int empty = 0;
+    while (k + empty + 7 <= farthest_px && eightAt(piece_.data() + pixel - k - empty - 7) == 0) empty += 8;
+    return empty;
+  });
+}
+
+void Joiner::faceUp(const InverseDepth& inverse, std::size_t pixel, int row, int farthest_px) {
+  const auto width = static_cast<std::size_t>(inverse.width_px);
+  const std::size_t column = pixel - static_cast<std::size_t>(row) * width;
+  faceBack(inverse, pixel, width, farthest_px, [&](int k) {
+    int empty = 0;
+    while (k + empty <= farthest_px) {
+      const auto block = static_cast<std::size_t>(row - k - empty) / kBlockRows;
+      if (occupied_[block * width + column]) break;
+      empty = row - static_cast<int>(block * kBlockRows) + 1 - k;  // on to the block above
+    }
+    return empty;
+  });
+}
+
 /// Where the pieces' runs begin, along rows, and where the row above is another piece, along columns.
 void Joiner::scan(const Surface& surface, const Camera& camera, Span<const Run> runs) {
   const InverseDepth& inverse = surface.inverse;
-  const auto width = static_cast<std::size_t>(inverse.width_px);
   const double along_row = kWidestGap_um * (camera.fx_q16 / 65536.0),
                along_column = kWidestGap_um * (camera.fy_q16 / 65536.0);
   const auto farthest = [&](double gap, std::size_t pixel, int most) {
@@ -176,14 +233,28 @@ void Joiner::scan(const Surface& surface, const Camera& camera, Span<const Run> 
   const int step = lineStep(inverse.width_px);
   for (const Run& run : runs) {
     const int row = surface.row(run.begin), column = static_cast<int>(run.begin) - row * inverse.width_px;
-    if (column > 0 && row % step == 0) faceBack(inverse, run.begin, 1, farthest(along_row, run.begin, column));
+    if (column > 0 && row % step == 0) faceLeft(inverse, run.begin, farthest(along_row, run.begin, column));
     if (row == 0) continue;
-    for (std::size_t pixel = run.begin + static_cast<std::size_t>(column % step); pixel < run.end;
-         pixel += static_cast<std::size_t>(step)) {
-      if (piece_[pixel] == piece_[pixel - width]) continue;
-      faceBack(inverse, pixel, width, farthest(along_column, pixel, row));
+    visitTop(run, inverse.width_px, step, [&](std::size_t pixel) {
+      faceUp(inverse, pixel, row, farthest(along_column, pixel, row));
       touch(inverse, pixel, row);
+    });
+  }
+}
+
+/// visit(pixel) for every step-th pixel of a run, counted as scan() does, that has another piece above it, or none.
+template <typename Visit>
+void Joiner::visitTop(Run run, int width_px, int step, Visit visit) const {
+  const auto width = static_cast<std::size_t>(width_px);
+  const auto stride = static_cast<std::size_t>(step);
+  const std::uint8_t* const piece = piece_.data();
+  for (std::size_t pixel = run.begin + run.begin % width % stride; pixel < run.end;) {
+    if (pixel + 8 <= run.end && eightAt(piece + pixel) == eightAt(piece + pixel - width)) {
+      pixel += (8 + stride - 1) / stride * stride;
+      continue;
     }
+    if (piece[pixel] != piece[pixel - width]) visit(pixel);
+    pixel += stride;
   }
 }
 
@@ -252,9 +323,9 @@ int Joiner::topOf(Piece& piece, const Surface& surface, const Components& compon
   std::fill(heights_mm_.begin(), heights_mm_.end(), 0);
   for (const Run& run : components.runsOf(piece.part)) {
     surface.visitPlaced(run, [&](const PlanRays::Placed& placed, int count) {
-      for (int i = 0; i < count; ++i) {
-        ++heights_mm_[static_cast<std::size_t>(std::clamp(placed.height_um[i] / 1000, 0, kHighest_mm))];
-      }
+      std::int32_t mm[PlanRays::kMost];
+      toMillimetres(placed.height_um, count, mm);
+      for (int i = 0; i < count; ++i) ++heights_mm_[static_cast<std::size_t>(mm[i])];
     });
   }
   std::size_t below = 0;

@@ -20,6 +20,7 @@ class Joiner {
 
  private:
   static constexpr std::size_t kMostPieces = 255;  // numbered 1 to 255; 0 is none
+  static constexpr std::size_t kBlockRows = 8;
 
   struct Piece {
     std::size_t part = 0;
@@ -34,7 +35,13 @@ class Joiner {
 
   void takePieces(const Surface& surface, std::size_t fewest, const Components& components);
   void scan(const Surface& surface, const Camera& camera, Span<const Run> runs);
-  void faceBack(const InverseDepth& inverse, std::size_t pixel, std::size_t stride, int farthest_px);
+  void markOccupied(std::size_t width);
+  template <typename Visit>
+  void visitTop(Run run, int width_px, int step, Visit visit) const;
+  template <typename Skipped>
+  void faceBack(const InverseDepth& inverse, std::size_t pixel, std::size_t stride, int farthest_px, Skipped skipped);
+  void faceLeft(const InverseDepth& inverse, std::size_t pixel, int farthest_px);
+  void faceUp(const InverseDepth& inverse, std::size_t pixel, int row, int farthest_px);
   void touch(const InverseDepth& inverse, std::size_t pixel, int row);
   Lines& lines(int a, int b) {
     return lines_[static_cast<std::size_t>(a) * (kMostPieces + 1) + static_cast<std::size_t>(b)];
@@ -44,8 +51,9 @@ class Joiner {
   bool wallsOfVessel(const Piece& far, const Piece& near, const Surface& surface, const Components& components) const;
   bool belongTogether(int a, int b, const Surface& surface, const Components& components);
 
-  std::vector<Piece> pieces_;        // the first is no piece
-  std::vector<std::uint8_t> piece_;  // by pixel
+  std::vector<Piece> pieces_;           // the first is no piece
+  std::vector<std::uint8_t> piece_;     // by pixel
+  std::vector<std::uint8_t> occupied_;  // by block of kBlockRows pixels of a column: 0 = they are of no piece
   std::vector<Lines> lines_;
   std::vector<std::uint32_t> heights_mm_;  // histogram
 };

@@ -2,6 +2,7 @@
 #include "rim.h"
 
 #include <algorithm>
+#include <cstring>
 
 namespace voxid {
 namespace {
@@ -18,18 +19,38 @@ void RimGrower::reserve(std::size_t pixels, int width_px, int height_px) {
   pixels_.reserve(pixels);
 }
 
-void RimGrower::takeClusters(const std::vector<Cluster>& clusters, std::size_t pixels) {
-  taken_.assign(pixels, 0);
+void RimGrower::takeClusters(const std::vector<Cluster>& clusters, const InverseDepth& inverse) {
+  taken_.assign(inverse.values.size(), 0);
   for (const Cluster& cluster : clusters) {
-    for (const std::uint32_t pixel : cluster.pixels) taken_[pixel] = 1;
+    visitRuns(cluster.pixels, static_cast<std::uint32_t>(inverse.width_px),
+              [&](Run run) { std::memset(taken_.data() + run.begin, 1, run.end - run.begin); });
   }
 }
 
-/// Whether all four neighbours are taken: true for most pixels, and told without their row and column.
+/// Whether all four neighbours of `Block` pixels are taken: true for most, and told without their row and column.
+template <typename Block>
 bool RimGrower::surrounded(std::uint32_t pixel, std::uint32_t width) const {
-  if (pixel < width || pixel + width >= taken_.size()) return false;
-  const std::uint8_t* here = taken_.data() + pixel;
-  return (here[-1] & here[1] & *(here - width) & here[width]) != 0;
+  if (pixel < width || pixel + sizeof(Block) + width > taken_.size()) return false;
+  const std::uint8_t* const here = taken_.data() + pixel;
+  const auto at = [](const std::uint8_t* first) {
+    Block block;
+    std::memcpy(&block, first, sizeof block);
+    return block;
+  };
+  constexpr auto kAllTaken = static_cast<Block>(0x0101010101010101);
+  return (at(here - 1) & at(here + 1) & at(here - width) & at(here + width)) == kAllTaken;
+}
+
+void RimGrower::visitBorder(const Surface& surface, std::uint32_t cluster, Run run) {
+  const auto width = static_cast<std::uint32_t>(surface.inverse.width_px);
+  for (std::uint32_t pixel = run.begin; pixel < run.end;) {
+    if (pixel + 8 <= run.end && surrounded<std::uint64_t>(pixel, width)) {
+      pixel += 8;
+      continue;
+    }
+    if (!surrounded<std::uint8_t>(pixel, width)) visitNeighbours(surface, cluster, pixel);
+    ++pixel;
+  }
 }
 
 void RimGrower::visitNeighbours(const Surface& surface, std::uint32_t cluster, std::uint32_t pixel) {
@@ -54,19 +75,18 @@ void RimGrower::merge(std::vector<Cluster>& clusters) {
     return a.cluster != b.cluster ? a.cluster < b.cluster : a.pixel < b.pixel;
   });
   pixels_.clear();
-  std::size_t next = 0;
+  auto next = added_.cbegin();
   for (std::size_t i = 0; i < clusters.size(); ++i) {
     const std::size_t first = pixels_.size();
-    const auto takeBefore = [&](std::uint32_t pixel) {
-      for (; next < added_.size() && added_[next].cluster == i && added_[next].pixel < pixel; ++next) {
-        pixels_.push_back(added_[next].pixel);
-      }
-    };
-    for (const std::uint32_t pixel : clusters[i].pixels) {
-      takeBefore(pixel);
-      pixels_.push_back(pixel);
+    const std::uint32_t* from = clusters[i].pixels.begin();
+    const std::uint32_t* const end = clusters[i].pixels.end();
+    for (; next != added_.cend() && next->cluster == i; ++next) {
+      const std::uint32_t* const to = std::lower_bound(from, end, next->pixel);
+      pixels_.insert(pixels_.end(), from, to);
+      pixels_.push_back(next->pixel);
+      from = to;
     }
-    takeBefore(0xffffffff);
+    pixels_.insert(pixels_.end(), from, end);
     clusters[i].pixels = {pixels_.data() + first, pixels_.size() - first};
   }
 }
@@ -75,12 +95,11 @@ void RimGrower::grow(const Surface& surface, const SegmentParams& params, std::v
   gap_ = DepthStep(params.cluster_gap_mm);
   low_.set(surface.table, surface.distance_m, params.rim_height_mm, params.max_height_mm,
            params.min_margin_per_km * kMarginShare_percent / 100);
-  takeClusters(clusters, surface.inverse.values.size());
+  takeClusters(clusters, surface.inverse);
   added_.clear();
   for (std::uint32_t i = 0; i < clusters.size(); ++i) {
-    for (const std::uint32_t pixel : clusters[i].pixels) {
-      if (!surrounded(pixel, static_cast<std::uint32_t>(surface.inverse.width_px))) visitNeighbours(surface, i, pixel);
-    }
+    visitRuns(clusters[i].pixels, static_cast<std::uint32_t>(surface.inverse.width_px),
+              [&](Run run) { visitBorder(surface, i, run); });
   }
   std::size_t first = 0;
   for (int ring = 1; ring < std::max(1, kReach_px * surface.inverse.width_px / 640); ++ring) {

@@ -25,8 +25,10 @@ class RimGrower {
     std::uint32_t cluster, pixel;
   };
 
-  void takeClusters(const std::vector<Cluster>& clusters, std::size_t pixels);
+  void takeClusters(const std::vector<Cluster>& clusters, const InverseDepth& inverse);
+  template <typename Block>
   bool surrounded(std::uint32_t pixel, std::uint32_t width) const;
+  void visitBorder(const Surface& surface, std::uint32_t cluster, Run run);
   void visitNeighbours(const Surface& surface, std::uint32_t cluster, std::uint32_t pixel);
   void merge(std::vector<Cluster>& clusters);
 

@@ -2,6 +2,7 @@
 #include "voxid/geometry/segmenter.h"
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 #include "box.h"
@@ -35,6 +36,16 @@ std::size_t scaled(int pixels, const InverseDepth& inverse) {
   return static_cast<std::size_t>(pixels * static_cast<std::int64_t>(inverse.values.size()) / kReferencePixels);
 }
 
+/// Of the smallest rectangle around the points whose sides are parallel to the axes.
+std::array<Point2, 4> cornersAround(Span<const Point2> points) {
+  Point2 low = points[0], high = points[0];
+  for (const Point2& p : points) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+  }
+  return {low, {high.x, low.y}, high, {low.x, high.y}};
+}
+
 }  // namespace
 
 struct Segmenter::Workspace {
@@ -51,6 +62,7 @@ struct Segmenter::Workspace {
   RimGrower rim;
   BoxFitter boxes;
   std::vector<std::uint32_t> pixels;  ///< of the clusters
+  std::vector<Point2> probes;         ///< feet of a cluster's points
   std::vector<Cluster> clusters;
   Scene scene;
 
@@ -61,7 +73,7 @@ struct Segmenter::Workspace {
   void drop(DropReason reason) { ++scene.dropped[static_cast<std::size_t>(reason)]; }
   void findParts(const Surface& surface, const Camera& camera, const SegmentParams& params);
   void takeClusters(const Surface& surface, const SegmentParams& params);
-  int shareInside_percent(const Surface& surface, Span<const std::uint32_t> probed, std::int32_t margin_um) const;
+  int shareInside_percent(const Surface& surface, Span<const std::uint32_t> probed, std::int32_t margin_um);
   void keep(const Cluster& cluster, std::size_t most);
 };
 
@@ -80,6 +92,7 @@ void Segmenter::Workspace::reserve(int width_px, int height_px) {
   rim.reserve(count, width_px, height_px);
   boxes.reserve(count);
   pixels.reserve(count);
+  probes.reserve(2 * kOutlineProbes);
   clusters.reserve(kMostClusters);
 }
 
@@ -120,16 +133,18 @@ bool Segmenter::Workspace::findTable(const DepthView& depth, const SegmentParams
   return true;
 }
 
-/// Share of points whose feet on the table lie inside the widened outline, from evenly spaced ones.
+/// Share of points whose feet on the table lie inside the widened outline, from evenly spaced ones. The outline is
+/// convex: if it holds the corners of a rectangle around the feet, it holds them all.
 int Segmenter::Workspace::shareInside_percent(const Surface& surface, Span<const std::uint32_t> probed,
-                                              std::int32_t margin_um) const {
+                                              std::int32_t margin_um) {
   const std::size_t step = std::max<std::size_t>(1, probed.size / kOutlineProbes);
-  int inside = 0, probes = 0;
-  for (std::size_t i = step / 2; i < probed.size; i += step) {
-    inside += outline.contains(plan.project(surface.point(probed[i])), margin_um);
-    ++probes;
-  }
-  return 100 * inside / probes;
+  probes.clear();
+  for (std::size_t i = step / 2; i < probed.size; i += step) probes.push_back(plan.project(surface.point(probed[i])));
+  const auto isInside = [&](const Point2& foot) { return outline.contains(foot, margin_um); };
+  const auto corners = cornersAround({probes.data(), probes.size()});
+  if (std::all_of(corners.begin(), corners.end(), isInside)) return 100;
+  return static_cast<int>(100 * std::count_if(probes.begin(), probes.end(), isInside) /
+                          static_cast<std::ptrdiff_t>(probes.size()));
 }
 
 /// Past the limit the smallest makes room; of equal ones the later. The limit bounds the work a group costs.

@@ -17,6 +17,22 @@ struct Run {
   std::uint32_t begin, end;
 };
 
+/// visit(run) for the runs of ascending pixels, in images of that width.
+template <typename Visit>
+void visitRuns(Span<const std::uint32_t> pixels, std::uint32_t width, Visit visit) {
+  constexpr std::size_t kStride = 16;  // runs are long: as pixels ascend, one far pixel in its place tells of all before
+  for (std::size_t i = 0; i < pixels.size;) {
+    const std::uint32_t begin = pixels[i];
+    const std::size_t most = std::min<std::size_t>(pixels.size - i, width - begin % width);
+    const auto continues = [&](std::size_t k) { return k < most && pixels[i + k] == begin + k; };
+    std::size_t last = 0;
+    while (continues(last + kStride)) last += kStride;
+    while (continues(last + 1)) ++last;
+    visit(Run{begin, pixels[i + last] + 1});
+    i += last + 1;
+  }
+}
+
 struct Surface {
   const InverseDepth& inverse;
   const PlaneSums& table;
