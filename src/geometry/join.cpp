@@ -38,6 +38,21 @@ std::int32_t inverseOf(std::int32_t depth_um) {
 /// Of the image's lines every second one is looked at, from 640 columns on.
 int lineStep(int width_px) { return std::max(1, width_px / 320); }
 
+/// Inverse depths at which a piece faces a pixel: found when they are first asked for, as most pixels face none.
+class Facing {
+ public:
+  bool within(std::int32_t own, std::int32_t value) {
+    if (nearest_ == 0) {
+      nearest_ = inverseOf(depthUmOf(own) - kDepthsWithin_um);
+      farthest_ = inverseOf(depthUmOf(own) + kDepthsWithin_um);
+    }
+    return value >= farthest_ && value <= nearest_;
+  }
+
+ private:
+  std::int32_t nearest_ = 0, farthest_ = 0;
+};
+
 std::uint64_t eightAt(const std::uint8_t* first) {
   std::uint64_t eight;
   std::memcpy(&eight, first, sizeof eight);
@@ -133,7 +148,7 @@ PlanShape shapeOf(Span<const Run> runs, const Surface& surface, const ViewerAxes
 
 Joiner::Joiner() {
   lines_.resize((kMostPieces + 1) * (kMostPieces + 1));
-  heights_mm_.resize(kHighest_mm + 1);
+  heights_mm_.resize(2 * (kHighest_mm + 1));
   pieces_.reserve(kMostPieces + 1);
 }
 
@@ -176,23 +191,21 @@ template <typename Skipped>
 void Joiner::faceBack(const InverseDepth& inverse, std::size_t pixel, std::size_t stride, int farthest_px,
                       Skipped skipped) {
   const int here = piece_[pixel];
-  const std::int32_t depth_um = depthUmOf(inverse.values[pixel]);
-  const std::int32_t nearest = inverseOf(depth_um - kDepthsWithin_um),
-                     farthest = inverseOf(depth_um + kDepthsWithin_um);
-  const std::int32_t least_hiding = inverseOf(depth_um - kNearer_um);
+  const std::int32_t own = inverse.values[pixel];
   std::int32_t between = inverseOf(1000);  // the farthest depth seen between the two
+  Facing facing;
   for (int k = 1; k <= farthest_px; ++k) {
-    // Past table nothing can be hidden any more, and only the next piece matters.
-    if (between < least_hiding) k += skipped(k);
+    // Behind something farther away than itself nothing can be hidden any more, and only the next piece matters.
+    if (between < own) k += skipped(k);
     if (k > farthest_px) return;
     const std::size_t p = pixel - static_cast<std::size_t>(k) * stride;
     const int other = piece_[p];
     if (other == here) return;
     const std::int32_t value = inverse.values[p];
-    if (other != 0 && value >= farthest && value <= nearest) {
+    if (other != 0 && facing.within(own, value)) {
       Lines& pair = lines(std::min(here, other), std::max(here, other));
       ++pair.facing;
-      pair.hidden += k > 1 && between >= inverseOf(std::min(depth_um, depthUmOf(value)) - kNearer_um);
+      pair.hidden += k > 1 && between >= inverseOf(std::min(depthUmOf(own), depthUmOf(value)) - kNearer_um);
       return;
     }
     if (value > 0) between = std::min(between, value);
@@ -224,33 +237,34 @@ void Joiner::faceUp(const InverseDepth& inverse, std::size_t pixel, int row, int
 /// Where the pieces' runs begin, along rows, and where the row above is another piece, along columns.
 void Joiner::scan(const Surface& surface, const Camera& camera, Span<const Run> runs) {
   const InverseDepth& inverse = surface.inverse;
-  const double along_row = kWidestGap_um * (camera.fx_q16 / 65536.0),
-               along_column = kWidestGap_um * (camera.fy_q16 / 65536.0);
-  const auto farthest = [&](double gap, std::size_t pixel, int most) {
-    const double gap_px = gap / depthUmOf(inverse.values[pixel]);
+  const double per_unit = kWidestGap_um / kUnitsTimesUm / 65536;
+  const double columns_per_unit = camera.fx_q16 * per_unit, rows_per_unit = camera.fy_q16 * per_unit;
+  const auto farthest = [&](double px_per_unit, std::size_t pixel, int most) {
+    const double gap_px = px_per_unit * inverse.values[pixel];
     return gap_px < most ? static_cast<int>(gap_px) : most;
   };
   const int step = lineStep(inverse.width_px);
   for (const Run& run : runs) {
     const int row = surface.row(run.begin), column = static_cast<int>(run.begin) - row * inverse.width_px;
-    if (column > 0 && row % step == 0) faceLeft(inverse, run.begin, farthest(along_row, run.begin, column));
+    if (column > 0 && row % step == 0) faceLeft(inverse, run.begin, farthest(columns_per_unit, run.begin, column));
     if (row == 0) continue;
-    visitTop(run, inverse.width_px, step, [&](std::size_t pixel) {
-      faceUp(inverse, pixel, row, farthest(along_column, pixel, row));
+    const std::size_t first = run.begin + static_cast<std::size_t>(column % step);
+    visitTop({static_cast<std::uint32_t>(first), run.end}, inverse.width_px, step, [&](std::size_t pixel) {
+      faceUp(inverse, pixel, row, farthest(rows_per_unit, pixel, row));
       touch(inverse, pixel, row);
     });
   }
 }
 
-/// visit(pixel) for every step-th pixel of a run, counted as scan() does, that has another piece above it, or none.
+/// visit(pixel) for every step-th pixel of a run, from the first on, that has another piece above it, or none.
 template <typename Visit>
 void Joiner::visitTop(Run run, int width_px, int step, Visit visit) const {
-  const auto width = static_cast<std::size_t>(width_px);
-  const auto stride = static_cast<std::size_t>(step);
+  const auto width = static_cast<std::size_t>(width_px), stride = static_cast<std::size_t>(step);
+  const std::size_t at_once = (8 + stride - 1) / stride * stride;
   const std::uint8_t* const piece = piece_.data();
-  for (std::size_t pixel = run.begin + run.begin % width % stride; pixel < run.end;) {
+  for (std::size_t pixel = run.begin; pixel < run.end;) {
     if (pixel + 8 <= run.end && eightAt(piece + pixel) == eightAt(piece + pixel - width)) {
-      pixel += (8 + stride - 1) / stride * stride;
+      pixel += at_once;
       continue;
     }
     if (piece[pixel] != piece[pixel - width]) visit(pixel);
@@ -325,13 +339,16 @@ int Joiner::topOf(Piece& piece, const Surface& surface, const Components& compon
     surface.visitPlaced(run, [&](const PlanRays::Placed& placed, int count) {
       std::int32_t mm[PlanRays::kMost];
       toMillimetres(placed.height_um, count, mm);
-      for (int i = 0; i < count; ++i) ++heights_mm_[static_cast<std::size_t>(mm[i])];
+      // In turn into two histograms: on a level top each count would wait for the one before.
+      for (int i = 0; i < count; ++i) ++heights_mm_[static_cast<std::size_t>(2 * mm[i] + i % 2)];
     });
   }
   std::size_t below = 0;
   int top_mm = -1;
-  while (below * 100 < components.pixelsIn(piece.part) * kTopPercentile)
-    below += heights_mm_[static_cast<std::size_t>(++top_mm)];
+  while (below * 100 < components.pixelsIn(piece.part) * kTopPercentile) {
+    const auto bin = static_cast<std::size_t>(2 * ++top_mm);
+    below += heights_mm_[bin] + heights_mm_[bin + 1];
+  }
   return piece.top_mm = top_mm;
 }
 

@@ -55,7 +55,7 @@ class Joiner {
   std::vector<std::uint8_t> piece_;     // by pixel
   std::vector<std::uint8_t> occupied_;  // by block of kBlockRows pixels of a column: 0 = they are of no piece
   std::vector<Lines> lines_;
-  std::vector<std::uint32_t> heights_mm_;  // histogram
+  std::vector<std::uint32_t> heights_mm_;  // two histograms, interleaved
 };
 
 }  // namespace voxid

@@ -5,19 +5,210 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
+#include <numeric>
 
+#include "../core/vectorised.h"
 #include "angle.h"
 #include "box.h"
 
 namespace voxid {
 namespace {
 
-constexpr int kArm = 3;               // cells to either side that a slope is taken over
-constexpr int kAcross = 2;            // cells to either side of a crease at which normals are compared
-constexpr std::uint8_t kSmall = 255;  // a piece too small to be one
-constexpr std::uint8_t kBeingFlooded = 254;
+constexpr int kArm = 3;     // cells to either side that a slope is taken over
+constexpr int kAcross = 2;  // cells to either side of a crease at which normals are compared
 
-std::uint8_t longer(std::uint8_t arm) { return static_cast<std::uint8_t>(std::min(arm + 1, kArm)); }
+constexpr std::uint8_t kLinked = 2;  // of markOpen's states
+
+std::uint64_t eightAt(const std::uint8_t* first) {
+  std::uint64_t eight;
+  std::memcpy(&eight, first, sizeof eight);
+  return eight;
+}
+
+/// visit(i) for ascending i where flags[i], 0 or 1, is set.
+template <typename Visit>
+void visitSet(const std::vector<std::uint8_t>& flags, std::size_t first, std::size_t end, Visit visit) {
+  for (std::size_t i = first; i < end;) {
+    if (i + 8 <= end && eightAt(flags.data() + i) == 0) {
+      i += 8;
+      continue;
+    }
+    if (flags[i]) visit(i);
+    ++i;
+  }
+}
+
+/// First from i on that is not linked to the one before; there are eight zeros behind the last.
+std::size_t endOfLinked(const std::vector<std::uint8_t>& open, std::size_t i) {
+  constexpr std::uint64_t kEightLinked = 0x0202020202020202;
+  while (eightAt(open.data() + i) == kEightLinked) i += 8;
+  while (open[i] == kLinked) ++i;
+  return i;
+}
+
+/// What a row of pixels adds to whole cells of two by two pixels.
+VOXID_VECTORISED void addPairs(const std::int32_t* values, int cells, std::int32_t* inverse, std::uint8_t* pixels) {
+  for (int i = 0; i < cells; ++i) {
+    inverse[i] += (values[2 * i] >> 2) + (values[2 * i + 1] >> 2);
+    pixels[i] = static_cast<std::uint8_t>(pixels[i] + 2);
+  }
+}
+
+/// 1 where the depth does not step from the cell `back` cells before.
+VOXID_VECTORISED void markLinks(const std::int32_t* inverse, std::ptrdiff_t back, std::ptrdiff_t count, DepthStep step,
+                                std::uint8_t* linked) {
+  const DepthStep limit = step;
+  for (std::ptrdiff_t i = 0; i < count; ++i) linked[i] = limit.within(inverse[i - back], inverse[i]);
+}
+
+/// How many links in a row lead back from a cell and how many lead on, kArm at most.
+VOXID_VECTORISED void countLinks(const std::uint8_t* linked, std::ptrdiff_t stride, std::ptrdiff_t count,
+                                 std::uint8_t* back, std::uint8_t* on) {
+  static_assert(kArm == 3);
+#pragma GCC ivdep
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const std::uint8_t *b = linked + i, *o = linked + i + stride;
+    back[i] = static_cast<std::uint8_t>(b[0] + (b[0] & b[-stride]) + (b[0] & b[-stride] & b[-2 * stride]));
+    on[i] = static_cast<std::uint8_t>(o[0] + (o[0] & o[stride]) + (o[0] & o[stride] & o[2 * stride]));
+  }
+}
+
+/// Chooses by masks, as the compiler makes branches of anything else and does not vectorise those.
+inline std::int32_t choose(bool first, std::int32_t a, std::int32_t b) {
+  const std::int32_t mask = -static_cast<std::int32_t>(first);
+  return (a & mask) | (b & ~mask);
+}
+
+inline float choose(bool first, float a, float b) {
+  std::int32_t bits_a, bits_b;
+  std::memcpy(&bits_a, &a, sizeof a);
+  std::memcpy(&bits_b, &b, sizeof b);
+  const std::int32_t bits = choose(first, bits_a, bits_b);
+  float chosen;
+  std::memcpy(&chosen, &bits, sizeof bits);
+  return chosen;
+}
+
+/// The k-th value in direction of the stride, k from 0 to 3.
+inline std::int32_t pick(const std::int32_t* at, int k, std::ptrdiff_t stride) {
+  return choose(k < 2, choose(k == 0, at[0], at[stride]), choose(k == 2, at[2 * stride], at[3 * stride]));
+}
+
+/// The same up to the second; a larger k is taken for 2.
+inline float pickNear(const float* at, int k, std::ptrdiff_t stride) {
+  return choose(k == 0, at[0], choose(k == 1, at[stride], at[2 * stride]));
+}
+
+VOXID_VECTORISED void orInto(const std::uint8_t* from, std::ptrdiff_t count, std::uint8_t* to) {
+  for (std::ptrdiff_t i = 0; i < count; ++i) to[i] = static_cast<std::uint8_t>(to[i] | from[i]);
+}
+
+/// 0: no depth, or a crease; else 1, and kLinked if it hangs together with the cell to its left.
+VOXID_VECTORISED void markOpen(const std::int32_t* inverse, const std::uint8_t* crease, const std::uint8_t* linked_left,
+                               std::ptrdiff_t count, std::uint8_t* open) {
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const bool here = (inverse[i] != 0) & !crease[i], before = (inverse[i - 1] != 0) & !crease[i - 1];
+    open[i] = static_cast<std::uint8_t>(here + (here & before & linked_left[i]));
+  }
+}
+
+/// 1 for cells of a piece beside some of none.
+VOXID_VECTORISED void markFronts(const std::int32_t* inverse, const std::uint8_t* piece, std::ptrdiff_t columns,
+                                 std::ptrdiff_t count, std::uint8_t* front) {
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const bool left = (inverse[i - 1] != 0) & (piece[i - 1] == 0), right = (inverse[i + 1] != 0) & (piece[i + 1] == 0);
+    const bool up = (inverse[i - columns] != 0) & (piece[i - columns] == 0),
+               down = (inverse[i + columns] != 0) & (piece[i + columns] == 0);
+    front[i] = static_cast<std::uint8_t>((piece[i] != 0) & (left | right | up | down));
+  }
+}
+
+/// 1 for cells of a piece above or to the left of one of another piece.
+VOXID_VECTORISED void markBorders(const std::uint8_t* piece, std::ptrdiff_t columns, std::ptrdiff_t count,
+                                  std::uint8_t* border) {
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const bool right = (piece[i + 1] != 0) & (piece[i + 1] != piece[i]);
+    const bool down = (piece[i + columns] != 0) & (piece[i + columns] != piece[i]);
+    border[i] = static_cast<std::uint8_t>((piece[i] != 0) & (right | down));
+  }
+}
+
+/// 1 for cells of a piece that are beside no cell of another.
+VOXID_VECTORISED void markInner(const std::uint8_t* piece, std::ptrdiff_t columns, std::ptrdiff_t count,
+                                std::uint8_t* inner) {
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const std::uint8_t here = piece[i], left = piece[i - 1], right = piece[i + 1], up = piece[i - columns],
+                       down = piece[i + columns];
+    inner[i] =
+        static_cast<std::uint8_t>((here != 0) & ((left == here) | (left == 0)) & ((right == here) | (right == 0)) &
+                                  ((up == here) | (up == 0)) & ((down == here) | (down == 0)));
+  }
+}
+
+/// How many links in a row lead away from the cells in each direction.
+struct CellLinks {
+  const std::uint8_t *left, *right, *up, *down;
+};
+
+/// Camera of the cells.
+struct CellCamera {
+  float fx, fy, cx, cy;
+};
+
+/// In inverse depth a plane is affine in the pixel, and its two slopes and its value give its normal. A row of cells.
+VOXID_VECTORISED void orientRow(const std::int32_t* inverse, std::ptrdiff_t columns, const CellLinks& links,
+                                const CellCamera& camera, int first_u, int v, int count,
+                                const Splitter::Normals& normals) {
+  const Splitter::Normals n = normals;
+  const CellLinks l = links;
+  const CellCamera c = camera;
+  const float y = static_cast<float>(v) - c.cy;
+#pragma GCC ivdep
+  for (int i = 0; i < count; ++i) {
+    const std::int32_t* const cell = inverse + i;
+    const int across = l.left[i] + l.right[i], along = l.up[i] + l.down[i];
+    const float slope_u =
+        static_cast<float>(pick(cell, l.right[i], 1) - pick(cell, l.left[i], -1)) / static_cast<float>(across);
+    const float slope_v =
+        static_cast<float>(pick(cell, l.down[i], columns) - pick(cell, l.up[i], -columns)) / static_cast<float>(along);
+    const float normal_x = slope_u * c.fx, normal_y = slope_v * c.fy;
+    const float normal_z = static_cast<float>(*cell) - slope_u * (static_cast<float>(first_u + i) - c.cx) - slope_v * y;
+    const float square = normal_x * normal_x + normal_y * normal_y + normal_z * normal_z;
+    n.slope_u[i] = slope_u;
+    n.slope_v[i] = slope_v;
+    n.x[i] = normal_x;
+    n.y[i] = normal_y;
+    n.z[i] = normal_z;
+    n.square[i] = (across < 2) | (along < 2) ? 0 : square;
+  }
+}
+
+/// How many links in a row lead back and on along a row or a column.
+struct BothWays {
+  const std::uint8_t *back, *on;
+};
+
+/// 1 where the surface turns towards the viewer by more than the angle, from kAcross cells before to kAcross after, or
+/// as far as there are links.
+VOXID_VECTORISED void markBends(const Splitter::Normals& normals, const float* slopes, const BothWays& links,
+                                std::ptrdiff_t stride, std::ptrdiff_t count, float square_cosine, std::uint8_t* bends) {
+  static_assert(kAcross == 2);
+  const Splitter::Normals n = normals;
+  const BothWays l = links;
+#pragma GCC ivdep
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const int b = l.back[i], o = l.on[i];
+    const float square_p = pickNear(n.square + i, b, -stride), square_q = pickNear(n.square + i, o, stride);
+    const float dot = pickNear(n.x + i, b, -stride) * pickNear(n.x + i, o, stride) +
+                      pickNear(n.y + i, b, -stride) * pickNear(n.y + i, o, stride) +
+                      pickNear(n.z + i, b, -stride) * pickNear(n.z + i, o, stride);
+    const bool enough = std::min(b, kAcross) + std::min(o, kAcross) >= kAcross;
+    const bool towards = pickNear(slopes + i, o, stride) > pickNear(slopes + i, b, -stride);
+    const bool turns = (dot <= 0) | (dot * dot < square_cosine * square_p * square_q);
+    bends[i] = static_cast<std::uint8_t>(enough & (square_p != 0) & (square_q != 0) & towards & turns);
+  }
+}
 
 }  // namespace
 
@@ -26,151 +217,167 @@ Splitter::Splitter() : borders_((kMostPieces + 1) * (kMostPieces + 1)), joined_(
 void Splitter::reserve(int width_px, int height_px) {
   for (shift_ = 0; width_px >> (shift_ + 1) >= 320; ++shift_) {
   }
-  const auto most =
-      static_cast<std::size_t>((width_px >> shift_) + 3) * static_cast<std::size_t>((height_px >> shift_) + 3);
-  cells_.reserve(most);
-  normals_.reserve(most);
-  queue_.reserve(most);
+  const auto most = static_cast<std::size_t>((width_px >> shift_) + 3) *
+                    static_cast<std::size_t>((height_px >> shift_) + 2 + 2 * kMargin);
+  inverse_.reserve(most);
+  for (auto* bytes :
+       {&pixels_, &linked_left_, &linked_up_, &left_, &right_, &up_, &down_, &crease_, &piece_, &flags_}) {
+    bytes->reserve(most);
+  }
+  for (auto* values : {&x_, &y_, &z_, &square_, &slope_u_, &slope_v_}) values->reserve(most);
+  for (auto* list : {&queue_, &parents_, &pixels_of_run_}) list->reserve(most);
+  runs_.reserve(most);
   cuts_.reserve(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px));
 }
 
 void Splitter::takeCells(const InverseDepth& inverse, Span<const Run> runs) {
   const PixelBox box = pixelBoxOf(runs, inverse.width_px);
-  left_ = (box.x >> shift_) - 1;
-  top_ = (box.y >> shift_) - 1;
-  columns_ = static_cast<std::size_t>(((box.x + box.width - 1) >> shift_) - left_ + 2);
-  const auto rows = static_cast<std::size_t>(((box.y + box.height - 1) >> shift_) - top_ + 2);
-  cells_.assign(columns_ * rows, Cell{});
-  const auto width = static_cast<std::uint32_t>(inverse.width_px);
-  for (const Run& run : runs) {
-    const std::uint32_t row_px = run.begin / width;
-    Cell* cells = cells_.data() + rowOf(row_px);
-    for (std::uint32_t pixel = run.begin; pixel < run.end; ++pixel) {
-      Cell& cell = cells[(static_cast<int>(pixel - row_px * width) >> shift_) - left_];
-      cell.inverse += inverse.values[pixel] >> (2 * shift_);
-      ++cell.pixels;
-    }
-  }
+  first_column_ = (box.x >> shift_) - 1;
+  first_row_ = (box.y >> shift_) - kMargin;
+  columns_ = static_cast<std::size_t>(((box.x + box.width - 1) >> shift_) - first_column_ + 2);
+  const auto rows = static_cast<std::size_t>(((box.y + box.height - 1) >> shift_) - first_row_ + 1 + kMargin);
+  inverse_.assign(columns_ * rows, 0);
+  pixels_.assign(columns_ * rows, 0);
+  first_ = kMargin * columns_;
+  end_ = inverse_.size() - kMargin * columns_;
+  for (const Run& run : runs) addRun(inverse, run);
   const int all = 1 << (2 * shift_);
-  for (Cell& cell : cells_) {
-    if (cell.pixels > 0 && cell.pixels != all) cell.inverse = cell.inverse / cell.pixels * all;
+  for (std::size_t i = first_; i < end_; ++i) {
+    if (pixels_[i] > 0 && pixels_[i] != all) inverse_[i] = inverse_[i] / pixels_[i] * all;
   }
+}
+
+void Splitter::addRun(const InverseDepth& inverse, Run run) {
+  const auto width = static_cast<std::uint32_t>(inverse.width_px);
+  const std::size_t row = rowOf(run.begin / width);
+  const int column = static_cast<int>(run.begin % width), length = static_cast<int>(run.end - run.begin);
+  const std::int32_t* const values = inverse.values.data() + run.begin;
+  const auto cellOf = [&](int i) { return row + static_cast<std::size_t>(((column + i) >> shift_) - first_column_); };
+  const auto addPixel = [&](int i) {
+    inverse_[cellOf(i)] += values[i] >> (2 * shift_);
+    ++pixels_[cellOf(i)];
+  };
+  int i = 0;
+  if (shift_ == 1) {
+    if (column % 2 == 1) addPixel(i++);
+    const int pairs = (length - i) / 2;
+    addPairs(values + i, pairs, inverse_.data() + cellOf(i), pixels_.data() + cellOf(i));
+    i += 2 * pairs;
+  }
+  for (; i < length; ++i) addPixel(i);
 }
 
 void Splitter::linkCells() {
-  for (std::size_t i = columns_; i + columns_ < cells_.size(); ++i) {
-    Cell& cell = cells_[i];
-    if (step_.within(cells_[i - 1].inverse, cell.inverse)) cell.left = longer(cells_[i - 1].left);
-    if (step_.within(cells_[i - columns_].inverse, cell.inverse)) cell.up = longer(cells_[i - columns_].up);
-  }
-  for (std::size_t i = cells_.size() - columns_; i-- > columns_;) {
-    Cell& cell = cells_[i];
-    if (cells_[i + 1].left > 0) cell.right = longer(cells_[i + 1].right);
-    if (cells_[i + columns_].up > 0) cell.down = longer(cells_[i + columns_].down);
-  }
+  for (auto* links : {&linked_left_, &linked_up_}) links->assign(inverse_.size(), 0);
+  for (auto* links : {&left_, &right_, &up_, &down_}) links->resize(inverse_.size());
+  markLinks(inverse_.data() + first_, 1, cells(), step_, linked_left_.data() + first_);
+  markLinks(inverse_.data() + first_, stride(), cells(), step_, linked_up_.data() + first_);
+  countLinks(linked_left_.data() + first_, 1, cells(), left_.data() + first_, right_.data() + first_);
+  countLinks(linked_up_.data() + first_, stride(), cells(), up_.data() + first_, down_.data() + first_);
 }
 
-/// In inverse depth a plane is affine in the pixel, and its two slopes and its value give its normal.
 void Splitter::orientCells(const Camera& camera) {
   const float pixel = 1.0f / static_cast<float>(65536 << shift_);
   const float half = 0.5f - 0.5f / static_cast<float>(1 << shift_);  // a cell's middle, in cells
-  const float fx = static_cast<float>(camera.fx_q16) * pixel, fy = static_cast<float>(camera.fy_q16) * pixel;
-  const float cx = static_cast<float>(camera.cx_q16) * pixel - half,
-              cy = static_cast<float>(camera.cy_q16) * pixel - half;
-  normals_.resize(cells_.size());
-  for (std::size_t row = columns_, v = 1; row + columns_ < cells_.size(); row += columns_, ++v) {
-    for (std::size_t u = 1; u + 1 < columns_; ++u) {
-      const std::size_t i = row + u;
-      const Cell& cell = cells_[i];
-      Normal& normal = normals_[i];
-      normal.square = 0;
-      const int across = cell.left + cell.right, along = cell.up + cell.down;
-      if (across < 2 || along < 2) continue;
-      normal.slope_u = static_cast<float>(cells_[i + cell.right].inverse - cells_[i - cell.left].inverse) /
-                       static_cast<float>(across);
-      normal.slope_v =
-          static_cast<float>(cells_[i + cell.down * columns_].inverse - cells_[i - cell.up * columns_].inverse) /
-          static_cast<float>(along);
-      normal.x = normal.slope_u * fx;
-      normal.y = normal.slope_v * fy;
-      normal.z = static_cast<float>(cell.inverse) -
-                 normal.slope_u * (static_cast<float>(left_ + static_cast<int>(u)) - cx) -
-                 normal.slope_v * (static_cast<float>(top_ + static_cast<int>(v)) - cy);
-      normal.square = normal.x * normal.x + normal.y * normal.y + normal.z * normal.z;
-    }
+  const CellCamera cell_camera{static_cast<float>(camera.fx_q16) * pixel, static_cast<float>(camera.fy_q16) * pixel,
+                               static_cast<float>(camera.cx_q16) * pixel - half,
+                               static_cast<float>(camera.cy_q16) * pixel - half};
+  for (auto* values : {&x_, &y_, &z_, &slope_u_, &slope_v_}) values->resize(inverse_.size());
+  square_.assign(inverse_.size(), 0);
+  int v = first_row_ + kMargin;
+  for (std::size_t row = first_; row < end_; row += columns_, ++v) {
+    const CellLinks links{left_.data() + row, right_.data() + row, up_.data() + row, down_.data() + row};
+    orientRow(inverse_.data() + row, stride(), links, cell_camera, first_column_, v, static_cast<int>(columns_),
+              normalsFrom(row));
   }
 }
 
-/// Whether the surface turns towards the viewer from cell a to cell b by more than the angle.
-bool Splitter::bends(std::size_t a, std::size_t b, float Normal::*slope, float square_cosine) const {
-  const Normal &p = normals_[a], &q = normals_[b];
-  if (p.square == 0 || q.square == 0 || q.*slope <= p.*slope) return false;
-  const float dot = p.x * q.x + p.y * q.y + p.z * q.z;
-  return dot <= 0 || dot * dot < square_cosine * p.square * q.square;
+Splitter::Normals Splitter::normalsFrom(std::size_t cell) {
+  return {x_.data() + cell,      y_.data() + cell,       z_.data() + cell,
+          square_.data() + cell, slope_u_.data() + cell, slope_v_.data() + cell};
 }
 
 void Splitter::markCreases(int angle_deg) {
   const auto cosine = static_cast<float>(cosineOf(angle_deg));
-  const float square_cosine = cosine * cosine;
-  for (std::size_t i = columns_; i + columns_ < cells_.size(); ++i) {
-    Cell& cell = cells_[i];
-    if (cell.inverse == 0) continue;
-    const std::size_t left = std::min<std::size_t>(cell.left, kAcross),
-                      right = std::min<std::size_t>(cell.right, kAcross);
-    const std::size_t up = std::min<std::size_t>(cell.up, kAcross), down = std::min<std::size_t>(cell.down, kAcross);
-    cell.crease =
-        (left + right >= kAcross && bends(i - left, i + right, &Normal::slope_u, square_cosine)) ||
-        (up + down >= kAcross && bends(i - up * columns_, i + down * columns_, &Normal::slope_v, square_cosine));
+  const Normals normals = normalsFrom(first_);
+  crease_.assign(inverse_.size(), 0);
+  flags_.resize(inverse_.size());
+  markBends(normals, normals.slope_u, {left_.data() + first_, right_.data() + first_}, 1, cells(), cosine * cosine,
+            crease_.data() + first_);
+  markBends(normals, normals.slope_v, {up_.data() + first_, down_.data() + first_}, stride(), cells(), cosine * cosine,
+            flags_.data() + first_);
+  orInto(flags_.data() + first_, cells(), crease_.data() + first_);
+}
+
+std::uint32_t Splitter::rootOf(std::uint32_t run) {
+  while (parents_[run] != run) run = parents_[run] = parents_[parents_[run]];
+  return run;
+}
+
+/// The earlier root stays.
+void Splitter::unite(std::uint32_t a, std::uint32_t b) {
+  a = rootOf(a);
+  b = rootOf(b);
+  parents_[std::max(a, b)] = std::min(a, b);
+}
+
+/// Cells side by side without a step or a crease, each linked to those above it.
+void Splitter::findRuns() {
+  flags_.assign(inverse_.size() + sizeof(std::uint64_t), 0);
+  markOpen(inverse_.data() + first_, crease_.data() + first_, linked_left_.data() + first_, cells(),
+           flags_.data() + first_);
+  runs_.clear();
+  parents_.clear();
+  std::size_t above = 0;
+  visitSet(flags_, first_, end_, [&](std::size_t i) {
+    if (flags_[i] == kLinked) return;
+    addRun({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(endOfLinked(flags_, i + 1))}, above);
+  });
+}
+
+/// `above`: the first run that may lie above this or a later one.
+void Splitter::addRun(Run run, std::size_t& above) {
+  const auto number = static_cast<std::uint32_t>(runs_.size()), columns = static_cast<std::uint32_t>(columns_);
+  runs_.push_back(run);
+  parents_.push_back(number);
+  while (runs_[above].end + columns <= run.begin) ++above;
+  for (std::size_t upper = above; runs_[upper].begin + columns < run.end; ++upper) {
+    const auto first = linked_up_.begin() + std::max(run.begin, runs_[upper].begin + columns),
+               last = linked_up_.begin() + std::min(run.end, runs_[upper].end + columns);
+    if (std::find(first, last, 1) != last) unite(number, static_cast<std::uint32_t>(upper));
   }
 }
 
-/// Marks what hangs together with a cell without a step or a crease between; its number of pixels.
-std::size_t Splitter::flood(std::size_t first) {
-  std::size_t pixels = 0;
-  queue_.clear();
-  const auto visit = [&](std::size_t i) {
-    Cell& cell = cells_[i];
-    if (cell.piece != 0 || cell.crease) return;
-    cell.piece = kBeingFlooded;
-    pixels += cell.pixels;
-    queue_.push_back(static_cast<std::uint32_t>(i));
-  };
-  visit(first);
-  for (std::size_t k = 0; k < queue_.size(); ++k) {
-    const std::size_t i = queue_[k];
-    const Cell& cell = cells_[i];
-    if (cell.left > 0) visit(i - 1);
-    if (cell.right > 0) visit(i + 1);
-    if (cell.up > 0) visit(i - columns_);
-    if (cell.down > 0) visit(i + columns_);
-  }
-  return pixels;
-}
-
-/// Numbers the pieces by their first cells.
+/// What hangs together and is large enough is a piece. They are numbered by their first cells.
 std::uint8_t Splitter::findPieces(std::size_t fewest) {
+  findRuns();
+  piece_.assign(inverse_.size(), 0);
+  pixels_of_run_.assign(runs_.size(), 0);
+  for (std::uint32_t i = 0; i < runs_.size(); ++i) {
+    pixels_of_run_[rootOf(i)] +=
+        std::accumulate(pixels_.begin() + runs_[i].begin, pixels_.begin() + runs_[i].end, std::uint32_t{0});
+  }
   std::uint8_t count = 0;
-  for (std::size_t i = columns_; i + columns_ < cells_.size(); ++i) {
-    if (cells_[i].inverse == 0 || cells_[i].piece != 0 || cells_[i].crease) continue;
-    const bool enough = flood(i) >= fewest && count < kMostPieces;
-    if (enough) ++count;
-    for (const std::uint32_t k : queue_) cells_[k].piece = enough ? count : kSmall;
+  for (std::uint32_t i = 0; i < runs_.size(); ++i) {
+    const std::uint32_t root = rootOf(i);
+    if (root == i && pixels_of_run_[i] >= fewest && count < kMostPieces) {
+      piece_[runs_[i].begin] = ++count;
+    }
+    std::memset(piece_.data() + runs_[i].begin, piece_[runs_[root].begin], runs_[i].end - runs_[i].begin);
   }
   return count;
 }
 
 /// Creases and small pieces go to the pieces around them, cell by cell from all of those at once.
 void Splitter::growPieces() {
+  markFronts(inverse_.data() + first_, piece_.data() + first_, stride(), cells(), flags_.data() + first_);
   queue_.clear();
-  for (std::size_t i = columns_; i + columns_ < cells_.size(); ++i) {
-    if (cells_[i].piece == kSmall) cells_[i].piece = 0;
-    if (cells_[i].piece != 0) queue_.push_back(static_cast<std::uint32_t>(i));
-  }
+  visitSet(flags_, first_, end_, [&](std::size_t i) { queue_.push_back(static_cast<std::uint32_t>(i)); });
   for (std::size_t k = 0; k < queue_.size(); ++k) {
     const std::size_t i = queue_[k];
     for (const std::size_t next : {i - 1, i + 1, i - columns_, i + columns_}) {
-      if (cells_[next].inverse == 0 || cells_[next].piece != 0) continue;
-      cells_[next].piece = cells_[i].piece;
+      if (inverse_[next] == 0 || piece_[next] != 0) continue;
+      piece_[next] = piece_[i];
       queue_.push_back(static_cast<std::uint32_t>(next));
     }
   }
@@ -178,16 +385,17 @@ void Splitter::growPieces() {
 
 void Splitter::measureBorders(std::uint8_t count) {
   std::fill(borders_.begin(), borders_.begin() + (count + 1) * (kMostPieces + 1), Border{});
-  const auto compare = [&](const Cell& a, const Cell& b, bool step) {
-    if (a.piece == b.piece || a.piece == 0 || b.piece == 0) return;
-    Border& border = borders_[std::min(a.piece, b.piece) * (kMostPieces + 1u) + std::max(a.piece, b.piece)];
+  const auto compare = [&](std::size_t a, std::size_t b, bool linked) {
+    if (piece_[a] == piece_[b] || piece_[b] == 0) return;
+    Border& border = borders_[std::min(piece_[a], piece_[b]) * (kMostPieces + 1u) + std::max(piece_[a], piece_[b])];
     ++border.cells;
-    border.creased += step || a.crease || b.crease;
+    border.creased += !linked || crease_[a] || crease_[b];
   };
-  for (std::size_t i = columns_; i + columns_ < cells_.size(); ++i) {
-    compare(cells_[i], cells_[i + 1], cells_[i].right == 0);
-    compare(cells_[i], cells_[i + columns_], cells_[i].down == 0);
-  }
+  markBorders(piece_.data() + first_, stride(), cells(), flags_.data() + first_);
+  visitSet(flags_, first_, end_, [&](std::size_t i) {
+    compare(i, i + 1, linked_left_[i + 1]);
+    compare(i, i + columns_, linked_up_[i + columns_]);
+  });
 }
 
 /// Pieces whose border is hardly a crease are one; how many there are then.
@@ -212,37 +420,51 @@ int Splitter::rejoin(std::uint8_t count, int share_percent) {
 std::size_t Splitter::nearestCell(std::size_t cell, std::int32_t inverse) const {
   std::size_t nearest = cell;
   for (const std::size_t next : {cell - 1, cell + 1, cell - columns_, cell + columns_}) {
-    const bool nearer = std::abs(cells_[next].inverse - inverse) < std::abs(cells_[nearest].inverse - inverse);
-    if (cells_[next].piece != 0 && nearer) nearest = next;
+    const bool nearer = std::abs(inverse_[next] - inverse) < std::abs(inverse_[nearest] - inverse);
+    if (piece_[next] != 0 && nearer) nearest = next;
   }
   return nearest;
 }
 
 /// Cuts the runs where the piece changes; the number of pieces. What no piece has grown to goes with the pixel before.
 std::size_t Splitter::cutRuns(const InverseDepth& inverse, Span<const Run> runs) {
-  std::array<std::uint8_t, kMostPieces + 1> number{};  // from 1, in the order of the first pixels
-  std::uint8_t count = 0, last = 1;
-  const auto width = static_cast<std::uint32_t>(inverse.width_px);
+  markInner(piece_.data() + first_, stride(), cells(), flags_.data() + first_);
   cuts_.clear();
-  for (const Run& run : runs) {
-    const std::uint32_t row_px = run.begin / width;
-    const std::size_t cells = rowOf(row_px);
-    for (std::uint32_t pixel = run.begin; pixel < run.end; ++pixel) {
-      const std::size_t cell =
-          cells + static_cast<std::size_t>((static_cast<int>(pixel - row_px * width) >> shift_) - left_);
-      const std::int32_t value = inverse.values[pixel];
-      const std::size_t own = step_.within(value, cells_[cell].inverse) ? cell : nearestCell(cell, value);
-      if (cells_[own].piece != 0) last = joined_[cells_[own].piece];
-      if (number[last] == 0) number[last] = ++count;
-      const auto piece = static_cast<std::uint8_t>(number[last] - 1);
-      if (pixel > run.begin && cuts_.back().piece == piece) {
-        ++cuts_.back().run.end;
-      } else {
-        cuts_.push_back({{pixel, pixel + 1}, piece});
-      }
+  numbers_.fill(0);
+  last_ = 1;
+  pieces_cut_ = 0;
+  for (const Run& run : runs) cutRun(inverse, run);
+  return pieces_cut_;
+}
+
+void Splitter::cutRun(const InverseDepth& inverse, Run run) {
+  const auto width = static_cast<std::uint32_t>(inverse.width_px);
+  const std::uint32_t row_begin = run.begin - run.begin % width;
+  const std::size_t row = rowOf(run.begin / width);
+  for (std::uint32_t pixel = run.begin, end; pixel < run.end; pixel = end) {
+    const std::uint32_t column = (pixel - row_begin) >> shift_;
+    std::size_t cell = row + static_cast<std::size_t>(static_cast<int>(column) - first_column_);
+    end = pixel + 1;
+    if (flags_[cell]) {  // whichever of its neighbours is nearest, the piece is the same
+      std::uint32_t columns = 1;
+      while (flags_[cell + columns] && piece_[cell + columns] == piece_[cell]) ++columns;
+      end = std::min(run.end, row_begin + ((column + columns) << shift_));
+    } else if (!step_.within(inverse.values[pixel], inverse_[cell])) {
+      cell = nearestCell(cell, inverse.values[pixel]);
     }
+    addCut({pixel, end}, piece_[cell], pixel == run.begin);
   }
-  return count;
+}
+
+/// Pieces are numbered anew, from 1, in the order of their first pixels.
+void Splitter::addCut(Run run, std::uint8_t piece, bool begins) {
+  if (piece != 0) last_ = joined_[piece];
+  if (numbers_[last_] == 0) numbers_[last_] = ++pieces_cut_;
+  const auto number = static_cast<std::uint8_t>(numbers_[last_] - 1);
+  if (!begins && cuts_.back().piece == number)
+    cuts_.back().run.end = run.end;
+  else
+    cuts_.push_back({run, number});
 }
 
 void Splitter::split(const Surface& surface, const Camera& camera, std::size_t fewest, const SegmentParams& params,
