@@ -37,7 +37,9 @@ const char* nameOf(CaptureState state) {
 }
 
 CaptureLoop::CaptureLoop(Options options, Sink sink)
-    : options_(std::move(options)), sink_(std::move(sink)), thread_(std::make_unique<LastingThread>([this] { run(); })) {}
+    : options_(std::move(options)),
+      sink_(std::move(sink)),
+      thread_(std::make_unique<LastingThread>([this] { run(); })) {}
 
 CaptureLoop::~CaptureLoop() {
   {
@@ -58,8 +60,11 @@ void CaptureLoop::demand(bool depth, bool colour) {
 }
 
 void CaptureLoop::setParams(const CaptureParams& params) {
-  std::lock_guard<std::mutex> lock(mutex_);
-  params_ = params;
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    params_ = params;
+  }
+  changed_.notify_all();
 }
 
 CaptureSnapshot CaptureLoop::snapshot() const {
@@ -209,11 +214,15 @@ void CaptureLoop::noteOutage(const Status& status) {
   in_outage_ = true;
 }
 
+/// Waits no longer than the parameters say, also if they change meanwhile.
 void CaptureLoop::awaitRetry() {
   std::unique_lock<std::mutex> lock(mutex_);
-  retry_ms_ = retry_ms_ == 0 ? params_.retry_first_ms
-                             : std::min(2 * retry_ms_, std::max(params_.retry_first_ms, params_.retry_most_ms));
-  changed_.wait_for(lock, std::chrono::milliseconds(retry_ms_), [this] { return !wanted(); });
+  const auto begin = Clock::now();
+  retry_ms_ = retry_ms_ == 0 ? params_.retry_first_ms : 2 * retry_ms_;
+  do {
+    retry_ms_ = std::min(retry_ms_, std::max(params_.retry_first_ms, params_.retry_most_ms));
+  } while (wanted() &&
+           changed_.wait_until(lock, begin + std::chrono::milliseconds(retry_ms_)) == std::cv_status::no_timeout);
 }
 
 void CaptureLoop::awaitNoDemand() {

@@ -165,6 +165,22 @@ TEST_F(LoopTest, GivesUpWhereTryingAgainIsNoUse) {
   EXPECT_EQ(losses().size(), 1u);
 }
 
+TEST_F(LoopTest, AShorterWaitHoldsForTheOneUnderWay) {
+  params_.retry_first_ms = params_.retry_most_ms = 60000;
+  playFrames(2);
+  useControl();
+  run();
+  loop_->demand(true, false);
+  ASSERT_TRUE(eventually([&] { return frames_ > 1; }));
+  command("unplug 100");
+  ASSERT_TRUE(reaches(CaptureState::Lost));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_EQ(loop_->snapshot().state, CaptureState::Lost);
+  params_.retry_first_ms = params_.retry_most_ms = 50;
+  loop_->setParams(params_);
+  EXPECT_TRUE(reaches(CaptureState::Running));
+}
+
 TEST_F(LoopTest, StopsAtOnceWhileItWaitsForADevice) {
   params_.retry_first_ms = 60000;
   run();

@@ -3,6 +3,7 @@
 #include "capture_nodelet.h"
 
 #include <diagnostic_msgs/DiagnosticArray.h>
+#include <dynamic_reconfigure/Reconfigure.h>
 #include <nodelet/loader.h>
 #include <rosgraph_msgs/Log.h>
 #include <signal.h>
@@ -314,6 +315,67 @@ TEST_F(CaptureNodeletTest, TheChainSurvivesADeviceThatUnplugsInMidFrame) {
   }
   EXPECT_TRUE(test::eventually(10, [&] { return reports_.value("reconnects") == "3"; }))
       << reports_.value("reconnects");
+}
+
+TEST_F(CaptureNodeletTest, EveryParameterWorksWhileItRuns) {
+  playFrames(2);
+  useControl();
+  start();
+  Listener<Image> images(node_, "depth/image_raw");
+  ASSERT_TRUE(moreCome(images));
+  const auto set = [&](const char* name, int value) {
+    dynamic_reconfigure::Reconfigure change;
+    change.request.config.ints.resize(1);
+    change.request.config.ints[0].name = name;
+    change.request.config.ints[0].value = value;
+    ASSERT_TRUE(ros::service::call(name_ + "/capture/set_parameters", change)) << name;
+  };
+
+  set("stamp_offset_ms", 200);
+  const ros::Time changed = ros::Time::now(), later = changed + ros::Duration(0.2);
+  const auto stampIn = [&](const ros::Time& begin, const ros::Time& end) {
+    return images.find([&](const ros::Time& stamp) { return stamp > begin && stamp < end; }) != nullptr;
+  };
+  EXPECT_TRUE(test::eventually(10, [&] { return stampIn(later, later + ros::Duration(10)); }));
+  EXPECT_FALSE(stampIn(changed, later)) << "of a frame before which the offset was set";
+  set("stamp_offset_ms", 0);
+
+  const auto stallFor = [&](const char* line) {
+    command(line);
+    ros::WallDuration(0.1).sleep();
+    EXPECT_TRUE(moreCome(images)) << line;
+  };
+  set("stall_ms", 60000);
+  stallFor("stall 800");  // longer than the 500 ms of the beginning
+  ros::WallDuration(1.2).sleep();
+  EXPECT_EQ(reports_.value("reconnects"), "0");
+  set("stall_ms", 150);
+  stallFor("stall 400");
+  EXPECT_TRUE(test::eventually(5, [&] { return reports_.value("reconnects") == "1"; }));
+  set("stall_ms", 500);
+
+  set("retry_first_ms", 60000);
+  command("unplug 100");
+  ASSERT_TRUE(stateBecomes("lost"));
+  const std::size_t before = images.count();
+  ros::WallDuration(0.6).sleep();  // the device is back for longer than retry_most_ms was
+  EXPECT_EQ(images.count(), before);
+  set("retry_first_ms", 20);  // then retry_most_ms, 200, is the longest wait
+  EXPECT_TRUE(moreCome(images));
+
+  set("retry_most_ms", 60000);
+  set("retry_first_ms", 1000);  // tries after 1, 3 and 7 s; were 200 ms the longest wait, after 1, 2, 3, 4 and so on
+  const ros::WallTime begin = ros::WallTime::now();
+  command("unplug");
+  ASSERT_TRUE(stateBecomes("lost"));
+  ros::WallTime::sleepUntil(begin + ros::WallDuration(3.4));
+  command("replug");
+  const std::size_t still = images.count();
+  ros::WallTime::sleepUntil(begin + ros::WallDuration(4.7));
+  EXPECT_EQ(images.count(), still);
+  set("retry_first_ms", 20);
+  set("retry_most_ms", 20);
+  EXPECT_TRUE(moreCome(images));
 }
 
 /// The whole chain in one manager.
