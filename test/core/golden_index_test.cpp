@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The file of format 1.2 in profile "default", with all its sections. That of 1.0 is in index_writer_test.cpp.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "core/index_fixture.h"
+#include "core/projection_fixture.h"
+
+namespace voxid {
+namespace {
+
+using test::readBytes;
+
+constexpr char kGolden[] = "test/data/golden/v1_2.vxi";
+constexpr std::uint32_t kBytes = 32, kLists = 5;
+
+ViewRecord viewOf(int direction, int turn) {
+  ViewRecord view{static_cast<std::uint8_t>(direction), 0, {0x0100, 0x8012, 65535}, {}};
+  for (int i = 0; i < static_cast<int>(kBytes); ++i)
+    view.code.push_back(static_cast<std::uint8_t>((i * turn * 37 + 11 * turn) % 127 - 63));
+  return view;
+}
+
+IndexContent goldenContent() {
+  IndexContent content;
+  content.profile.projection = test::projectionOf(test::randomProjectionContent(kBytes, kLists, 12));
+  content.directions = test::someDirections(4);
+  content.calibration.samples = 250;
+  for (int bin = 0; bin < format::Calibration::kBins; ++bin)
+    content.calibration.score_permille[bin] = static_cast<std::uint16_t>(100 + 20 * bin);
+  content.confidence = format::Confidence{240, 120, -500000, {1, -2, 3, -4, 5, -6, 7, -8, 9}, {}};
+  content.models = {{"mug", "b", "CC0", "https://example.org/b", 3797390, {viewOf(0, 3), viewOf(2, 5)}, "mug.n.04"},
+                    {"bowl", "a", "CC-BY-4.0", "", 2881193, {viewOf(3, 2)}, "bowl.n.03"},
+                    {"thing", "c", "", "", 0, {viewOf(1, 9), viewOf(3, 4)}, ""},
+                    {"mug", "\xc3\xa4", "CC0", "https://example.org/b", 3797390, {viewOf(1, 7)}, "mug.n.04"}};
+  return content;
+}
+
+// Kept for ever: the writer makes these bytes, every reader reads them. VOXID_WRITE_GOLDEN=1 writes the file.
+TEST(GoldenIndex, Version1_2IsWrittenAndRead) {
+  test::Folder folder;
+  const std::string path = std::getenv("VOXID_WRITE_GOLDEN") != nullptr ? kGolden : folder.file("x.vxi");
+  ASSERT_TRUE(writeIndex(goldenContent(), path).ok());
+  EXPECT_TRUE(readBytes(path) == readBytes(kGolden)) << "the bytes of " << kGolden << " changed";
+  const auto index = test::openGood(kGolden);
+  ASSERT_NE(index, nullptr);
+  EXPECT_EQ(index->verify().sentence, "");
+  EXPECT_EQ(index->header().minor, 2);
+  EXPECT_EQ(index->modelName(2), "\xc3\xa4");
+  EXPECT_EQ(index->senseOf(1), "mug.n.04");
+  EXPECT_EQ(index->senseOf(2), "");
+  ASSERT_NE(index->confidence(), nullptr);
+  EXPECT_EQ(index->confidence()->weights[8], 9);
+  EXPECT_EQ(index->calibration().score_permille[31], 720);
+  EXPECT_EQ(index->view(3).direction, 1);
+  EXPECT_EQ(index->view(3).extents[1], 0x8080) << "its high byte, of 255";
+}
+
+TEST(GoldenIndex, AnyFlippedByteIsRefusedOrFound) {
+  test::Folder folder;
+  const std::string good = readBytes(kGolden), path = folder.file("x.vxi");
+  const std::size_t projection = good.find(std::string(format::kProjectionMagic, 8));
+  ASSERT_NE(projection, std::string::npos);
+  const std::size_t projection_end = projection + 64 + kBytes * (kDepthBins + 8 + kLists) + 128;
+  constexpr std::size_t kStride = 101;  // in the matrix, which has one sum
+  for (std::size_t at = 0; at < good.size(); at += at > projection + 64 && at + kStride < projection_end ? kStride : 1) {
+    std::string bad = good;
+    bad[at] = static_cast<char>(bad[at] ^ 0x10);
+    test::writeBytes(path, bad);
+    const auto index = Index::open(path);
+    ASSERT_FALSE(index.ok() && index.value->verify().ok()) << "byte " << at;
+  }
+}
+
+}  // namespace
+}  // namespace voxid
