@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <numeric>
 #include <set>
+#include <tuple>
 
 #include "calibrate.h"
 #include "model_folder.h"
@@ -14,7 +16,7 @@
 #include "shard.h"
 #include "voxid/core/index.h"
 #include "voxid/library/confidence_learner.h"
-#include "voxid/library/index_writer.h"
+#include "voxid/library/index_assembler.h"
 #include "voxid/library/shrink_codes.h"
 #include "voxid/library/views.h"
 
@@ -35,7 +37,8 @@ Status check(const BuildOptions& options) {
 
 class Builder {
  public:
-  Builder(const BuildOptions& options, BuildListener& listener) : options_(options), listener_(listener) {}
+  Builder(const BuildOptions& options, BuildListener& listener)
+      : options_(options), listener_(listener), whole_(options.profile, {viewDirections().begin(), viewDirections().end()}, options.out) {}
 
   Result<BuildReport> build() {
     Status status = check(options_);
@@ -45,7 +48,7 @@ class Builder {
     folder_ = std::move(folder.value);
     if (folder_.models.empty()) return nothing("no mesh in " + options_.models + "; expected <category>/<model>.ply, .obj, ...; see doc/build.md");
     status = parts_.open(options_.out, options_.resume);
-    if (status.ok()) status = renderModels(work(), died_);
+    if (status.ok()) status = renderModels(work(), refused_);
     if (status.ok()) status = merge();
     if (status.ok()) status = finish();
     if (!status.ok() && status.kind != Status::Kind::NothingFound) return status;
@@ -64,7 +67,7 @@ class Builder {
       folder_.models.push_back(std::move(folder.value.models[i]));
     }
     status = parts_.join(options_.out);
-    if (status.ok() && !folder_.models.empty()) status = renderModels(work(), died_);
+    if (status.ok() && !folder_.models.empty()) status = renderModels(work(), refused_);
     if (status.ok()) countShards();
     if (!status.ok()) return status;
     return std::move(report_);
@@ -74,10 +77,10 @@ class Builder {
   void countShards() {
     for (std::size_t i = 0; i < folder_.models.size(); ++i) {
       const ModelFile& model = folder_.models[i];
-      const auto died = died_.find(static_cast<int>(i));
+      const auto died = refused_.find(static_cast<int>(i));
       const Result<ModelViews> shard = readShard(shardOf(model), originOf(model));
-      if (died != died_.end() || shard.value.views.empty()) {
-        report_.skipped.push_back({model.file, died != died_.end() ? died->second : shard.value.refusal});
+      if (died != refused_.end() || shard.value.views.empty()) {
+        report_.skipped.push_back({model.file, died != refused_.end() ? died->second : shard.value.refusal});
         continue;
       }
       ++report_.models;
@@ -99,77 +102,69 @@ class Builder {
   ShardOrigin originOf(const ModelFile& model) const { return voxid::originOf(model, parametersOf(options_.profile), options_.views_every); }
   std::string shardOf(const ModelFile& model) const { return shardPath(parts_.path(), model); }
 
+  // Reads one finished model after another.
   Status merge() {
-    content_.profile = options_.profile;
-    content_.directions.assign(viewDirections().begin(), viewDirections().end());
-    for (std::size_t i = 0; i < folder_.models.size(); ++i) {
-      const auto died = died_.find(static_cast<int>(i));
-      if (died == died_.end()) mergeOne(folder_.models[i]);
-      else report_.skipped.push_back({folder_.models[i].file, died->second});
+    for (const std::size_t i : inOrderOfIndex()) {
+      const Status status = refused_.count(static_cast<int>(i)) > 0 ? Status{} : mergeOne(i);
+      if (!status.ok()) return status;
     }
-    std::set<std::string> taught;
-    for (const ModelRecord& model : content_.models) taught.insert(model.category);
+    for (const auto& [number, why] : refused_)
+      report_.skipped.push_back({folder_.models[static_cast<std::size_t>(number)].file, why});
     for (const std::string& category : folder_.categories) {
-      if (taught.count(category) == 0) report_.empty_categories.push_back(category);
+      if (taught_.count(category) == 0) report_.empty_categories.push_back(category);
     }
-    report_.categories = static_cast<int>(taught.size());
-    report_.models = static_cast<int>(content_.models.size());
-    if (content_.models.empty()) return nothing("no model of " + options_.models + " can be used; the first: " + report_.skipped[0].model + ": " + report_.skipped[0].reason);
+    report_.categories = static_cast<int>(taught_.size());
+    report_.models = static_cast<int>(whole_.models());
+    if (report_.models == 0) return nothing("no model of " + options_.models + " can be used; the first: " + report_.skipped[0].model + ": " + report_.skipped[0].reason);
     return {};
   }
 
-  void mergeOne(const ModelFile& file) {
+  /// Numbers of models by category and name; the folder's order is that of file names.
+  std::vector<std::size_t> inOrderOfIndex() const {
+    std::vector<std::size_t> order(folder_.models.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(), [this](std::size_t a, std::size_t b) {
+      const ModelFile &first = folder_.models[a], &second = folder_.models[b];
+      return std::tie(first.category, first.name, a) < std::tie(second.category, second.name, b);
+    });
+    return order;
+  }
+
+  Status mergeOne(std::size_t number) {
+    const ModelFile& file = folder_.models[number];
     Result<ModelViews> shard = readShard(shardOf(file), originOf(file));
     if (!shard.ok()) shard.value.refusal = shard.status.sentence;
-    if (!shard.ok() || shard.value.views.empty()) return report_.skipped.push_back({file.file, shard.value.refusal});
-    ModelRecord model;
-    model.category = file.category;
-    model.name = file.name;
-    model.licence = file.licence;
-    model.origin = file.origin;
-    model.synset = file.synset;
-    model.sense = file.sense;
-    model.views = std::move(shard.value.views);
+    if (!shard.ok() || shard.value.views.empty()) {
+      refused_[static_cast<int>(number)] = shard.value.refusal;
+      return {};
+    }
+    ModelRecord model{file.category, file.name, file.licence, file.origin, file.synset, std::move(shard.value.views), file.sense};
     if (options_.profile.projection) shrinkToMean(codesIn(model.views), options_.profile.codeBytes());
     report_.views += static_cast<int>(model.views.size());
-    content_.models.push_back(std::move(model));
-    calibration_codes_[{file.category, file.name}] = std::move(shard.value.calibration);
+    taught_.insert(file.category);
+    calibration_queries_.push_back({whole_.models(), std::move(shard.value.calibration)});
+    return whole_.add(model);
   }
 
   Status finish() {
-    const std::string draft = parts_.path() + "/draft.vxi";
-    Status status = writeIndex(content_, draft);
-    if (!status.ok()) return status;
-    const auto index = Index::open(draft);
-    if (!index.ok()) return index.status;
-    content_.calibration = calibrate(index.value, queriesOf(*index.value));
-    status = writeWithConfidence(content_, draft, options_.out);
-    if (!status.ok()) return status;
+    const auto learn = [this](const std::shared_ptr<const Index>& index) { return calibrate(index, calibration_queries_); };
+    const auto learnt = writeWithConfidence(whole_, learn, parts_.path() + "/draft.vxi", options_.out);
+    if (!learnt.ok()) return learnt.status;
     std::error_code ignored;
     report_.bytes = fs::file_size(options_.out, ignored);
-    report_.calibration_samples = static_cast<int>(content_.calibration.samples);
-    report_.confidence = content_.confidence;
+    report_.calibration_samples = static_cast<int>(learnt.value.calibration.samples);
+    report_.confidence = learnt.value.confidence;
     return {};
-  }
-
-  /// Numbered as in the index, which sorts models in its own way.
-  std::vector<CalibrationQuery> queriesOf(const Index& index) const {
-    std::vector<CalibrationQuery> queries;
-    for (std::uint32_t i = 0; i < index.models().size; ++i) {
-      const std::string category(index.categoryName(index.models()[i].category)), name(index.modelName(i));
-      const auto found = calibration_codes_.find({category, name});
-      if (found != calibration_codes_.end()) queries.push_back({i, found->second});
-    }
-    return queries;
   }
 
   const BuildOptions& options_;
   BuildListener& listener_;
   ModelFolder folder_;
   PartsFolder parts_;
-  std::map<int, std::string> died_;
-  IndexContent content_;
-  std::map<std::pair<std::string, std::string>, std::vector<std::uint8_t>> calibration_codes_;
+  std::map<int, std::string> refused_;  // by number, why
+  IndexAssembler whole_;
+  std::set<std::string> taught_;
+  std::vector<CalibrationQuery> calibration_queries_;
   BuildReport report_;
 };
 

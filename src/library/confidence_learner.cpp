@@ -191,14 +191,17 @@ std::optional<format::Confidence> learnConfidence(const std::shared_ptr<const In
   return confidence;
 }
 
-Status writeWithConfidence(IndexContent& content, const std::string& draft, const std::string& path) {
-  content.confidence.reset();
-  Status status = writeIndex(content, draft);
+Result<Learnt> writeWithConfidence(IndexAssembler& whole, const Calibrate& calibrate, const std::string& draft,
+                                   const std::string& path) {
+  Status status = whole.write(draft, {}, std::nullopt);
   if (!status.ok()) return status;
   const auto index = Index::open(draft);
-  if (index.ok()) content.confidence = learnConfidence(index.value);
   std::remove(draft.c_str());
-  return index.ok() ? writeIndex(content, path) : index.status;
+  if (!index.ok()) return index.status;
+  const Learnt learnt{calibrate(index.value), learnConfidence(index.value)};
+  status = whole.write(path, learnt.calibration, learnt.confidence);
+  if (!status.ok()) return status;
+  return learnt;
 }
 
 }  // namespace voxid

@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <cstring>
-#include <functional>
 #include <map>
+#include <queue>
 #include <set>
+#include <tuple>
 
 #include "parts_folder.h"
 #include "voxid/core/index.h"
@@ -18,14 +19,36 @@ using Name = std::pair<std::string, std::string>;  // category, model
 
 std::string textOf(const Name& name) { return name.first + "/" + name.second; }
 
-bool sameProfile(const Profile& a, const Profile& b) {
-  const format::Parameters first = parametersOf(a), second = parametersOf(b);
-  return std::memcmp(&first, &second, sizeof first) == 0;
+Name nameOf(const Index& index, std::uint32_t model) {
+  return {std::string(index.categoryName(index.models()[model].category)), std::string(index.modelName(model))};
 }
 
-bool sameDirections(const IndexContent& a, const IndexContent& b) {
-  return a.directions.size() == b.directions.size() &&
-         std::memcmp(a.directions.data(), b.directions.data(), a.directions.size() * sizeof(format::Direction)) == 0;
+bool sameProfile(const Index& a, const Index& b) {
+  return std::memcmp(&a.parameters(), &b.parameters(), sizeof a.parameters()) == 0;
+}
+
+bool sameDirections(const Index& a, const Index& b) {
+  return a.directions().size == b.directions().size &&
+         std::memcmp(a.directions().data, b.directions().data, a.directions().size * sizeof(format::Direction)) == 0;
+}
+
+// ---- where models come from ------------------------------------------------------------------------------------
+
+/// An index that is read from its first model to its last.
+struct Source {
+  std::shared_ptr<const Index> index;
+  std::string place{};           ///< for sentences; empty = not to be named
+  std::vector<bool> left_out{};  ///< by model; empty = none
+};
+using Sources = std::vector<Source>;
+
+/// Damaged if the index is.
+Result<Source> soundSource(const std::string& path, const std::string& place) {
+  const auto index = Index::open(path);
+  if (!index.ok()) return index.status;
+  const Status sound = index.value->verify();
+  if (!sound.ok()) return sound;
+  return Source{index.value, place};
 }
 
 struct Synset {
@@ -35,26 +58,124 @@ struct Synset {
 /// Each category's synset, where it has one.
 using Synsets = std::map<std::string, Synset>;
 
-Status addSynsets(Synsets& synsets, const IndexContent& content) {
-  for (const ModelRecord& model : content.models) {
-    if (model.synset == 0) continue;
-    Synset& known = synsets.emplace(model.category, Synset{model.synset, model.sense}).first->second;
-    if (known.sense.empty()) known.sense = model.sense;
-    if (known.offset != model.synset) {
-      return Status::cannotDo("category " + model.category + " has the synsets " + std::to_string(known.offset) + " and " +
-                              std::to_string(model.synset) + "; give one of the two another name");
+Status addSynsets(Synsets& synsets, const Index& index) {
+  for (std::uint32_t i = 0; i < index.categories().size; ++i) {
+    const std::uint32_t offset = index.categories()[i].synset;
+    if (offset == 0) continue;
+    const std::string category(index.categoryName(i)), sense(index.senseOf(i));
+    Synset& known = synsets.emplace(category, Synset{offset, sense}).first->second;
+    if (known.sense.empty()) known.sense = sense;
+    if (known.offset != offset) {
+      return Status::cannotDo("category " + category + " has the synsets " + std::to_string(known.offset) + " and " +
+                              std::to_string(offset) + "; give one of the two another name");
     }
   }
   return {};
 }
 
-/// Damaged if the index is.
-Result<IndexContent> contentOf(const std::string& path) {
-  const auto index = Index::open(path);
-  if (!index.ok()) return index.status;
-  const Status sound = index.value->verify();
-  if (!sound.ok()) return sound;
-  return readContent(*index.value);
+/// Each later source fits the first one.
+Status checkFit(const Source& first, const Source& other) {
+  if (!sameProfile(*first.index, *other.index)) {
+    return Status::cannotDo(
+        "the descriptors differ; only indices of the same descriptor, settings and projection can be put together");
+  }
+  if (!sameDirections(*first.index, *other.index)) return Status::cannotDo("the view directions differ");
+  return {};
+}
+
+Status at(const std::string& place, Status status) {
+  if (!status.ok() && !place.empty()) status.sentence = place + ": " + status.sentence;
+  return status;
+}
+
+Result<Synsets> checkedSynsets(const Sources& sources) {
+  Synsets synsets;
+  for (const Source& source : sources) {
+    Status status = checkFit(sources.front(), source);
+    if (status.ok()) status = addSynsets(synsets, *source.index);
+    if (!status.ok()) return at(source.place, status);
+  }
+  return synsets;
+}
+
+// ---- one after another -----------------------------------------------------------------------------------------
+
+/// The next model of a source.
+struct Cursor {
+  Name name;
+  std::size_t source;
+  std::uint32_t model;
+};
+/// The lowest name comes first, of equal ones that of the first source.
+bool operator<(const Cursor& a, const Cursor& b) { return std::tie(b.name, b.source) < std::tie(a.name, a.source); }
+
+/// All models of some sources in the order of an index; of models with one name the last source's.
+class Merge {
+ public:
+  Merge(const Sources& sources, Clash clash) : sources_(sources), clash_(clash) {
+    for (std::size_t i = 0; i < sources.size(); ++i) push(i, 0);
+  }
+
+  Status into(IndexAssembler& whole, const Synsets& synsets) {
+    while (!cursors_.empty()) {
+      Cursor cursor = pop();
+      for (; !cursors_.empty() && cursors_.top().name == cursor.name; cursor = pop()) {
+        if (clash_ == Clash::Refuse) return refusal(cursors_.top());
+      }
+      Result<ModelRecord> model = readModel(*sources_[cursor.source].index, cursor.model);
+      if (!model.ok()) return model.status;
+      const auto known = synsets.find(model.value.category);
+      const Synset synset = known == synsets.end() ? Synset{} : known->second;
+      model.value.synset = synset.offset;
+      model.value.sense = synset.sense;
+      const Status status = whole.add(model.value);
+      if (!status.ok()) return status;
+    }
+    return {};
+  }
+
+ private:
+  void push(std::size_t source, std::uint32_t model) {
+    const Index& index = *sources_[source].index;
+    const std::vector<bool>& left_out = sources_[source].left_out;
+    while (!left_out.empty() && model < left_out.size() && left_out[model]) ++model;
+    if (model < index.models().size) cursors_.push({nameOf(index, model), source, model});
+  }
+  Cursor pop() {
+    const Cursor cursor = cursors_.top();
+    cursors_.pop();
+    push(cursor.source, cursor.model + 1);
+    return cursor;
+  }
+  Status refusal(const Cursor& cursor) const {
+    return at(sources_[cursor.source].place,
+              Status::cannotDo("model " + textOf(cursor.name) + " is there already; --replace takes the new one"));
+  }
+
+  const Sources& sources_;
+  Clash clash_;
+  std::priority_queue<Cursor> cursors_;
+};
+
+format::Calibration bestCalibration(const Sources& sources) {
+  const auto fewer = [](const Source& a, const Source& b) {
+    return a.index->calibration().samples < b.index->calibration().samples;
+  };
+  return std::max_element(sources.begin(), sources.end(), fewer)->index->calibration();
+}
+
+/// In the folder that WriterLock makes.
+std::string draftOf(const std::string& index) { return index + ".parts/draft.vxi"; }
+
+Status writeMerged(const Sources& sources, Clash clash, const std::string& out) {
+  const Result<Synsets> synsets = checkedSynsets(sources);
+  if (!synsets.ok()) return synsets.status;
+  const Index& first = *sources.front().index;
+  IndexAssembler whole(first.profile(), {first.directions().begin(), first.directions().end()}, out);
+  const Status status = Merge(sources, clash).into(whole, synsets.value);
+  if (!status.ok()) return status;
+  const auto calibration = [&](const std::shared_ptr<const Index>&) { return bestCalibration(sources); };
+  return writeWithConfidence(whole, calibration, draftOf(out), out).status;
 }
 
 /// Keeps other writers of an index away. What an interrupted build left for --resume stays.
@@ -76,109 +197,73 @@ class WriterLock {
   bool held_ = false, was_there_ = false;
 };
 
-/// In the folder that WriterLock makes.
-std::string draftOf(const std::string& index) { return index + ".parts/draft.vxi"; }
-
-Status edit(const std::string& path, const std::function<Status(IndexContent&)>& change) {
-  WriterLock lock;
-  Status status = lock.lock(path);
-  if (!status.ok()) return status;
-  Result<IndexContent> content = contentOf(path);
-  status = content.status;
-  if (content.ok()) status = change(content.value);
-  return status.ok() ? writeWithConfidence(content.value, draftOf(path), path) : status;
-}
-
-}  // namespace
-
-Status mergeInto(IndexContent& content, const IndexContent& other, Clash clash) {
-  if (!sameProfile(content.profile, other.profile)) {
-    return Status::cannotDo(
-        "the descriptors differ; only indices of the same descriptor, settings and projection can be put together");
-  }
-  if (!sameDirections(content, other)) return Status::cannotDo("the view directions differ");
-  Synsets synsets;
-  for (const IndexContent* const part : {static_cast<const IndexContent*>(&content), &other}) {
-    const Status status = addSynsets(synsets, *part);
-    if (!status.ok()) return status;
-  }
-  std::set<Name> coming;
-  for (const ModelRecord& model : other.models) coming.insert({model.category, model.name});
-  const auto clashes = [&](const ModelRecord& model) { return coming.count({model.category, model.name}) > 0; };
-  const auto clashing = std::find_if(content.models.begin(), content.models.end(), clashes);
-  if (clash == Clash::Refuse && clashing != content.models.end()) {
-    return Status::cannotDo("model " + textOf({clashing->category, clashing->name}) +
-                            " is there already; --replace takes the new one");
-  }
-  content.models.erase(std::remove_if(content.models.begin(), content.models.end(), clashes), content.models.end());
-  content.models.insert(content.models.end(), other.models.begin(), other.models.end());
-  for (ModelRecord& model : content.models) {
-    const auto known = synsets.find(model.category);
-    const Synset synset = known == synsets.end() ? Synset{} : known->second;
-    model.synset = synset.offset;
-    model.sense = synset.sense;
-  }
-  if (other.calibration.samples > content.calibration.samples) content.calibration = other.calibration;
-  return {};
-}
-
-Status removeFrom(IndexContent& content, const std::vector<std::string>& wanted) {
+/// Which models `wanted` names.
+Result<std::vector<bool>> namedModels(const Index& index, const std::vector<std::string>& wanted) {
   const std::set<std::string> names(wanted.begin(), wanted.end());
   std::set<std::string> met;
-  std::vector<ModelRecord> rest;
-  for (const ModelRecord& model : content.models) {
-    bool out = false;
-    for (const std::string& name : {model.category, textOf({model.category, model.name})}) {
-      if (names.count(name) == 0) continue;
-      met.insert(name);
-      out = true;
+  std::vector<bool> named(index.models().size);
+  for (std::uint32_t i = 0; i < named.size(); ++i) {
+    const Name name = nameOf(index, i);
+    for (const std::string& text : {name.first, textOf(name)}) {
+      if (names.count(text) == 0) continue;
+      met.insert(text);
+      named[i] = true;
     }
-    if (!out) rest.push_back(model);
   }
   for (const std::string& name : names) {
     if (met.count(name) == 0) return Status::nothingFound("there is no category or model " + name);
   }
-  if (rest.empty()) return Status::nothingFound("no model would be left; delete the file instead");
-  content.models = std::move(rest);
-  return {};
+  if (std::find(named.begin(), named.end(), false) == named.end())
+    return Status::nothingFound("no model would be left; delete the file instead");
+  return named;
 }
 
-Result<BuildReport> addModels(const BuildOptions& options, Clash clash, BuildListener& listener) {
-  Result<BuildReport> report = BuildReport{};
-  report.status = edit(options.out, [&](IndexContent& content) {
-    BuildOptions extra = options;
-    extra.profile = content.profile;
-    extra.out = options.out + ".parts/added.vxi";
-    report = buildIndex(extra, listener);
-    if (!report.ok()) return report.status;
-    const Result<IndexContent> added = contentOf(extra.out);
-    std::error_code ignored;
-    std::filesystem::remove(extra.out, ignored);
-    return added.ok() ? mergeInto(content, added.value, clash) : added.status;
-  });
+Result<BuildReport> addTo(const Source& old, const BuildOptions& options, Clash clash, BuildListener& listener) {
+  BuildOptions extra = options;
+  extra.profile = old.index->profile();
+  extra.out = options.out + ".parts/added.vxi";
+  Result<BuildReport> report = buildIndex(extra, listener);
+  if (!report.ok()) return report;
+  const Result<Source> added = soundSource(extra.out, "");
+  std::error_code ignored;
+  std::filesystem::remove(extra.out, ignored);
+  report.status = added.ok() ? writeMerged({old, added.value}, clash, options.out) : added.status;
   return report;
 }
 
+}  // namespace
+
+Result<BuildReport> addModels(const BuildOptions& options, Clash clash, BuildListener& listener) {
+  WriterLock lock;
+  const Status status = lock.lock(options.out);
+  if (!status.ok()) return status;
+  const Result<Source> old = soundSource(options.out, "");
+  return old.ok() ? addTo(old.value, options, clash, listener) : old.status;
+}
+
 Status removeModels(const std::string& path, const std::vector<std::string>& wanted) {
-  return edit(path, [&](IndexContent& content) {
-    Status status = removeFrom(content, wanted);
-    if (!status.ok()) status.sentence = path + ": " + status.sentence;
-    return status;
-  });
+  WriterLock lock;
+  const Status status = lock.lock(path);
+  if (!status.ok()) return status;
+  Result<Source> old = soundSource(path, "");
+  if (!old.ok()) return old.status;
+  auto named = namedModels(*old.value.index, wanted);
+  if (!named.ok()) return at(path, named.status);
+  old.value.left_out = std::move(named.value);
+  return writeMerged({old.value}, Clash::Refuse, path);
 }
 
 Status mergeIndices(const std::vector<std::string>& paths, const std::string& out, Clash clash) {
   WriterLock lock;
-  Status status = lock.lock(out);
+  const Status status = lock.lock(out);
   if (!status.ok()) return status;
-  Result<IndexContent> whole = contentOf(paths.at(0));
-  status = whole.status;
-  for (std::size_t i = 1; i < paths.size() && status.ok(); ++i) {
-    const Result<IndexContent> part = contentOf(paths[i]);
-    status = part.ok() ? mergeInto(whole.value, part.value, clash) : part.status;
-    if (!status.ok() && part.ok()) status.sentence = paths[i] + ": " + status.sentence;
+  Sources sources;
+  for (const std::string& path : paths) {
+    Result<Source> source = soundSource(path, path);
+    if (!source.ok()) return source.status;
+    sources.push_back(std::move(source.value));
   }
-  return status.ok() ? writeWithConfidence(whole.value, draftOf(out), out) : status;
+  return writeMerged(sources, clash, out);
 }
 
 }  // namespace voxid

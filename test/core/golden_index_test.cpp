@@ -64,7 +64,7 @@ TEST(GoldenIndex, AnyFlippedByteIsRefusedOrFound) {
   ASSERT_NE(projection, std::string::npos);
   const std::size_t projection_end = projection + 64 + kBytes * (kDepthBins + 8 + kLists) + 128;
   constexpr std::size_t kStride = 101;  // in the matrix, which has one sum
-  for (std::size_t at = 0; at < good.size(); at += at > projection + 64 && at + kStride < projection_end ? kStride : 1) {
+  for (std::size_t at = 0; at<good.size(); at += at> projection + 64 && at + kStride < projection_end ? kStride : 1) {
     std::string bad = good;
     bad[at] = static_cast<char>(bad[at] ^ 0x10);
     test::writeBytes(path, bad);

@@ -72,7 +72,8 @@ TEST(ConfidenceLearner, MergingAndRemovingGiveTheBytesOfTheWhole) {
   for (const ModelRecord& model : second.models) removed.push_back(model.category + "/" + model.name);
 
   const auto written = [&](IndexContent& part, const std::string& name) {
-    EXPECT_TRUE(writeWithConfidence(part, folder.file(name + ".draft"), folder.file(name)).ok());
+    EXPECT_TRUE(writeIndex(part, folder.file(name)).ok());
+    EXPECT_TRUE(mergeIndices({folder.path() + "/" + name}, folder.path() + "/" + name, Clash::Refuse).ok());
     return folder.path() + "/" + name;
   };
   const std::string paths[] = {written(whole, "whole"), written(first, "first"), written(second, "second")};

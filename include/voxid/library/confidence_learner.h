@@ -2,12 +2,13 @@
 // How far the answers of an index may be trusted, learnt from the index alone: no query, no mesh (doc/unknown.md).
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "voxid/core/index.h"
-#include "voxid/library/index_writer.h"
+#include "voxid/library/index_assembler.h"
 
 namespace voxid {
 
@@ -19,8 +20,16 @@ namespace voxid {
 std::optional<format::Confidence> learnConfidence(const std::shared_ptr<const Index>& index);
 constexpr std::uint32_t kConfidenceQueries = 8000, kConfidenceModels = 30;
 
-/// Writes `content` to `path` with the confidence that it teaches, whatever it held before. `draft` is a file name that
-/// may be written to meanwhile.
-Status writeWithConfidence(IndexContent& content, const std::string& draft, const std::string& path);
+/// What an index teaches about itself.
+struct Learnt {
+  format::Calibration calibration{};
+  std::optional<format::Confidence> confidence;
+};
+using Calibrate = std::function<format::Calibration(const std::shared_ptr<const Index>& index)>;
+
+/// Writes the whole to `path` with what it teaches: first to `draft`, a file that may be written to meanwhile and is
+/// removed, to be asked.
+Result<Learnt> writeWithConfidence(IndexAssembler& whole, const Calibrate& calibrate, const std::string& draft,
+                                   const std::string& path);
 
 }  // namespace voxid

@@ -8,30 +8,24 @@
 
 #include "voxid/core/status.h"
 #include "voxid/library/builder.h"
-#include "voxid/library/index_writer.h"
 
 namespace voxid {
 
 /// What to do with a model that is there already, under the same category and name.
 enum class Clash { Refuse, Replace };
 
-/// Takes the other's models into `content`. CannotDo, `content` unchanged, if the profiles or directions differ, if a
-/// category has two synsets, or for a clash that is refused. The calibration of more samples stays.
-Status mergeInto(IndexContent& content, const IndexContent& other, Clash clash);
-
-/// Takes out what `wanted` names: categories (mug) or models (mug/blue_mug). NothingFound, `content` unchanged, for a
-/// name that is not there, or if nothing would be left.
-Status removeFrom(IndexContent& content, const std::vector<std::string>& wanted);
-
 /// Renders the models of `options.models`, describes them with the index's own profile (`options.profile` does not
-/// count), and takes them into the index `options.out`. Fails as buildIndex and mergeInto do; then the index stays as
-/// it was.
+/// count), and takes them into the index `options.out`. Fails as buildIndex and mergeIndices do; then the index stays
+/// as it was.
 Result<BuildReport> addModels(const BuildOptions& options, Clash clash, BuildListener& listener);
 
-/// Removes from the index at `path`, which stays as it was if that fails.
+/// Takes out of the index at `path` what `wanted` names: categories (mug) or models (mug/blue_mug). NothingFound for a
+/// name that is not there, or if nothing would be left. The index stays as it was if that fails.
 Status removeModels(const std::string& path, const std::vector<std::string>& wanted);
 
-/// Writes what all the indices of `paths` hold to `out`, which may be one of them.
+/// Writes what all the indices of `paths` hold to `out`, which may be one of them, model by model: memory does not grow
+/// with their views. CannotDo if the profiles or directions differ, if a category has two synsets, or for a clash that
+/// is refused; Damaged if one of them is. The calibration of most samples stays.
 Status mergeIndices(const std::vector<std::string>& paths, const std::string& out, Clash clash);
 
 }  // namespace voxid

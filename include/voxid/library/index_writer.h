@@ -50,6 +50,9 @@ format::Calibration builtInCalibration(const Profile& profile);
 /// of no samples, parameters out of range. Nothing is left beside `path` if it fails.
 Status writeIndex(const IndexContent& content, const std::string& path);
 
+/// A model of an index, `number` below models().size. Damaged if its views lead nowhere.
+Result<ModelRecord> readModel(const Index& index, std::uint32_t number);
+
 /// The content of an index, such that writing it gives the same bytes again. The index should have passed `verify`;
 /// references of a damaged one that lead nowhere are refused as Damaged.
 Result<IndexContent> readContent(const Index& index);
