@@ -23,14 +23,16 @@ def describe(depth: Union[npt.NDArray[np.uint16], npt.NDArray[np.float32]], mask
 
 def render(mesh: Mesh, view: int = 0, *, clean: bool = False, seed: int = 1) -> Tuple[npt.NDArray[np.uint16], Camera]:
     """A depth image in millimetres (480 x 640) of a mesh from one of the 80 directions, and its camera. Size, distance,
-    roll and noise follow from `seed`, as in `voxid render --seed`; `clean`: without noise. A file is read in a child process."""
+    roll and noise follow from `seed`, as in `voxid render --seed`; `clean`: without noise. A file is read in a child
+    process."""
 
 class Index:
     """A .vxi file, mapped; its searches may be asked by several threads at once."""
 
     @staticmethod
     def open(path: str) -> "Index": ...
-    def describe(self, depth: Union[npt.NDArray[np.uint16], npt.NDArray[np.float32]], mask: Optional[npt.NDArray[np.bool_]],
+    def describe(self, depth: Union[npt.NDArray[np.uint16], npt.NDArray[np.float32]],
+                 mask: Optional[npt.NDArray[np.bool_]],
                  camera: Camera) -> npt.NDArray:
         """The code that this index is asked with: int8 in `default`, the 416 bins as uint8 in `paper`."""
     def nearest(self, code: npt.NDArray, count: int = 20, *, exact: bool = True,

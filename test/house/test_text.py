@@ -61,3 +61,11 @@ def test_scripts_are_executable_and_say_how_they_are_called(root, tracked):
 def test_python_of_ros_is_the_systems(root, tracked):
     """Another python3 may be first on PATH, and it knows no rospy."""
     assert [str(path) for path, text in texts(root, tracked, frozenset({".py", ""})) if re.match(r"#!.*env python", text)] == []
+
+
+def test_lines_of_the_python_part_fit_a_screen(root, tracked):
+    """C++ is laid out by clang-format; nothing lays out Python."""
+    wrong = [f"{path}:{number}" for path, text in texts(root, tracked, frozenset({".py", ".pyi", ""}))
+             if path.parts[0] == "python" or str(path) == "scripts/measure_acquisition"
+             for number, line in enumerate(text.splitlines(), 1) if len(line) > 120]
+    assert wrong == []

@@ -51,7 +51,7 @@ class Dictionary:
 
     @staticmethod
     def _chunks(file):
-        """(plain size of a chunk, packed sizes, where the first begins), or None where the gzip file is an ordinary one."""
+        """(plain size of a chunk, packed sizes, where the first begins); None where the gzip file is ordinary."""
         head = file.read(12)
         if len(head) < 12 or not head[3] & 4:
             return None
@@ -79,4 +79,5 @@ def words_in(entry):
 
 
 def dictionaries(folder=FOLDER):
-    return [Dictionary(index) for index in sorted(folder.glob("freedict-eng-*.index")) if index.with_suffix(".dict.dz").exists()]
+    return [Dictionary(index) for index in sorted(folder.glob("freedict-eng-*.index"))
+            if index.with_suffix(".dict.dz").exists()]

@@ -12,13 +12,16 @@ from voxid.failure import BAD_USE, CANNOT_DO, NOTHING_FOUND, Failure
 
 DATABASE = pathlib.Path("/usr/share/wordnet")
 SHIPPED = pathlib.Path(__file__).resolve().parents[3] / "cfg" / "synsets.yaml"
-# Debian's package lacks the file that numbers the lexicographer files; the order is that of the manual page lexnames(5WN).
+# Debian's package lacks the file that numbers the lexicographer files; the order is that of the manual page
+# lexnames(5WN).
 LEXICOGRAPHER_FILES = (
     "adj.all adj.pert adv.all noun.Tops noun.act noun.animal noun.artifact noun.attribute noun.body noun.cognition "
     "noun.communication noun.event noun.feeling noun.food noun.group noun.location noun.motive noun.object noun.person "
-    "noun.phenomenon noun.plant noun.possession noun.process noun.quantity noun.relation noun.shape noun.state noun.substance "
+    "noun.phenomenon noun.plant noun.possession noun.process noun.quantity noun.relation noun.shape noun.state "
+    "noun.substance "
     "noun.time verb.body verb.change verb.cognition verb.communication verb.competition verb.consumption verb.contact "
-    "verb.creation verb.emotion verb.motion verb.perception verb.possession verb.social verb.stative verb.weather adj.ppl").split()
+    "verb.creation verb.emotion verb.motion verb.perception verb.possession verb.social verb.stative verb.weather "
+    "adj.ppl").split()
 PARTS_OF_SPEECH = {"noun": 1, "verb": 2, "adj": 3, "adv": 4}
 # A camera sees these; their senses are listed first.
 PHYSICAL = ("noun.artifact", "noun.food", "noun.animal", "noun.plant", "noun.object", "noun.body", "noun.substance")
@@ -40,7 +43,8 @@ class WordNet:
             (root / name).symlink_to(DATABASE / name)
         (root / "lexnames").unlink(missing_ok=True)
         (root / "lexnames").write_text("".join(
-            f"{number:02d}\t{name}\t{PARTS_OF_SPEECH[name.split('.')[0]]}\n" for number, name in enumerate(LEXICOGRAPHER_FILES)))
+            f"{number:02d}\t{name}\t{PARTS_OF_SPEECH[name.split('.')[0]]}\n"
+            for number, name in enumerate(LEXICOGRAPHER_FILES)))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # about languages that are not asked for
             self.reader = WordNetCorpusReader(str(root), None)
@@ -88,7 +92,8 @@ def senses_of(wordnet, word):
         raise Failure(f"'{word}' is no word: expected letters, digits, spaces, hyphens, at most 64", BAD_USE)
     senses = wordnet.senses(word)
     if not senses:
-        raise Failure(f"WordNet does not know the noun '{word}'; try a more common or a more general word", NOTHING_FOUND)
+        raise Failure(f"WordNet does not know the noun '{word}'; try a more common or a more general word",
+                      NOTHING_FOUND)
     return senses
 
 

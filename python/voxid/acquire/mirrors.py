@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Folders on disk: any folder of meshes, and local mirrors of ShapeNet, ModelNet, 3DNet and Objaverse by their layout."""
+"""Folders on disk: any folder of meshes, and local mirrors of ShapeNet, ModelNet, 3DNet, Objaverse by their layout."""
 import gzip
 import json
 import pathlib
@@ -68,7 +68,8 @@ class Folder(OnDisk):
 
 
 class ShapeNet(OnDisk):
-    """<synset offset>/<model>/models/model_normalized.obj, or <synset offset>/<model>/model.obj; taxonomy.json beside them."""
+    """<synset offset>/<model>/models/model_normalized.obj, or <synset offset>/<model>/model.obj; taxonomy.json
+    beside them."""
 
     name = "shapenet"
     url = "https://shapenet.org"
@@ -103,12 +104,14 @@ class ShapeNet(OnDisk):
 
 
 class Objaverse(OnDisk):
-    """object-paths.json[.gz] (uid -> glbs/000-000/uid.glb) and metadata/*.json[.gz] (uid -> name, license, user, viewerUrl)."""
+    """object-paths.json[.gz] (uid -> glbs/000-000/uid.glb) and metadata/*.json[.gz] (uid -> name, license, user,
+    viewerUrl)."""
 
     name = "objaverse"
 
     def search(self, queries, synsets):
-        paths = read_object(next(p for p in (self._root / "object-paths.json", self._root / "object-paths.json.gz") if p.exists()))
+        paths = read_object(next(p for p in (self._root / "object-paths.json", self._root / "object-paths.json.gz")
+                                 if p.exists()))
         root = self._root.resolve()
         for file in sorted((self._root / "metadata").glob("*.json*")):
             for uid, about in sorted(read_object(file).items()):
@@ -122,7 +125,8 @@ class Objaverse(OnDisk):
     @staticmethod
     def _origin(about):
         user = about["user"] if isinstance(about.get("user"), dict) else {}
-        texts = {"licence": about.get("license"), "author": user.get("displayName") or user.get("username"), "url": about.get("viewerUrl")}
+        texts = {"licence": about.get("license"), "author": user.get("displayName") or user.get("username"),
+                 "url": about.get("viewerUrl")}
         return {field: text if isinstance(text, str) else "" for field, text in texts.items()}
 
 

@@ -6,7 +6,7 @@ import re
 # Formats that voxid reads (doc/build.md), best first.
 FORMATS = ("ply", "obj", "off", "stl", "glb", "gltf", "dae", "3ds", "fbx", "x3d", "lwo", "ac", "ase", "dxf", "blend")
 
-# One model that a source has. `id` is unique within the source and fit for a file name; `size` in bytes, 0 if not known;
+# One model that a source has. `id` is unique in the source and fit for a file name; `size` in bytes, 0 if not known;
 # `word` the query that found it; `place` is for the source's own use.
 Candidate = collections.namedtuple("Candidate", "source id title format size licence author url word place")
 
@@ -45,7 +45,7 @@ def singulars(word):
 
 
 def names(title, word):
-    """Whether the title is of a thing called so: the word ends it, or is followed by a number, `with`, `of`, `for`, `in`."""
+    """Whether the title is of a thing called so: the word ends it, or a number, `with`, `of`, `for`, `in` follows."""
     title = re.sub(r"( \d+)+$", "", plain(title))
     title = re.split(r" (?:with|of|for|in|and|on) ", title)[0]
     word = plain(word)

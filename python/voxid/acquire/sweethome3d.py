@@ -16,7 +16,8 @@ PACKAGE = "Debian package sweethome3d-furniture"
 # The catalogues' licence texts begin with these words; /usr/share/doc/sweethome3d-furniture/copyright says the same.
 LICENCES = {
     "Public domain": ("CC0-1.0", "https://creativecommons.org/publicdomain/zero/1.0/"),
-    "Creative Commons Attribution 3.0 United States": ("CC-BY-3.0-US", "https://creativecommons.org/licenses/by/3.0/us/"),
+    "Creative Commons Attribution 3.0 United States":
+        ("CC-BY-3.0-US", "https://creativecommons.org/licenses/by/3.0/us/"),
     "Creative Commons Attribution 3.0": ("CC-BY-3.0", "https://creativecommons.org/licenses/by/3.0/"),
 }
 
@@ -55,7 +56,8 @@ def models_of(archive):
         of = lambda field, otherwise="": catalogue.get(f"{field}#{number}", otherwise)
         rotation = tuple(float(x) for x in of("modelRotation").split()) or UPRIGHT
         member = of("model").lstrip("/")
-        yield Model(model_id(member), of("name"), member, float(of("width", "0")), rotation, of("creator"), licence, url,
+        yield Model(model_id(member), of("name"), member, float(of("width", "0")), rotation, of("creator"), licence,
+                    url,
                     catalogue.get("name", ""))
 
 

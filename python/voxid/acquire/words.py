@@ -56,7 +56,8 @@ def queries(synset, depth=2, dictionaries=None, reviewed=None):
     found = [Query(plain(lemma), "lemma", synset.name()) for lemma in synset.lemma_names()]
     for narrower in hyponyms(synset, depth):
         found += [Query(plain(lemma), "hyponym", narrower.name()) for lemma in narrower.lemma_names()]
-    found += [Query(word, "translation", f"{language}, {source}") for word, language, source in translations(synset, dictionaries, reviewed)]
+    found += [Query(word, "translation", f"{language}, {source}")
+              for word, language, source in translations(synset, dictionaries, reviewed)]
     once = {}
     for query in found:
         once.setdefault(query.word.lower(), query)
