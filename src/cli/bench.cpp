@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <iostream>
 
+#include "bench_scale.h"
 #include "command.h"
 #include "draw_curves.h"
 #include "queries.h"
@@ -19,6 +20,8 @@ struct Options {
   std::string index, queries, scenes, frames, plot;
   std::vector<std::string> only{"descriptor", "query"};
   int most = 400, seconds = 30;
+  std::uint32_t scale = 0;
+  std::string scale_out;
   bool json = false, chain = false;
 };
 
@@ -110,6 +113,14 @@ Status addQueryRows(const Options& options, Json& result) {
   return {};
 }
 
+Status addScale(const Options& options, Json& result) {
+  const auto views = readViews(options);
+  if (!views.ok()) return views.status;
+  auto scale = benchScale({options.index, options.scale, options.scale_out}, views.value);
+  if (scale.ok()) result["scale"] = std::move(scale.value);
+  return scale.status;
+}
+
 Status addSceneRows(const Options& options, Json& result) {
   auto rows = benchSegmentation(options.scenes, options.most);
   if (!rows.ok()) return rows.status;
@@ -129,6 +140,10 @@ Status checked(const Options& options) {
   if (options.chain && (options.index.empty() || (options.scenes.empty() && options.frames.empty())))
     return Status::badUse("--chain needs --index FILE, and the frames to show: --scenes DIR or --frames DIR");
   if (!options.chain && !options.frames.empty()) return Status::badUse("--frames are what --chain shows: add --chain");
+  if (options.scale > 0 && options.queries.empty())
+    return Status::badUse("--scale needs --index FILE, whose views are copied, and --queries DIR");
+  if (options.scale == 0 && !options.scale_out.empty())
+    return Status::badUse("--scale-out is where --scale N writes: add --scale N");
   if (!options.plot.empty() && (options.queries.empty() || options.only == std::vector<std::string>{"descriptor"}))
     return Status::badUse("--plot draws searches: it needs --queries DIR");
   if (options.queries.empty() && options.scenes.empty() && !options.chain)
@@ -143,7 +158,8 @@ Status run(const Options& options) {
   if (!status.ok()) return status;
   Json result;
   result["rows"] = Json::array();
-  if (!options.queries.empty()) status = addQueryRows(options, result);
+  if (options.scale > 0) status = addScale(options, result);
+  else if (!options.queries.empty()) status = addQueryRows(options, result);
   if (status.ok() && !options.scenes.empty()) status = addSceneRows(options, result);
   if (status.ok() && options.chain) status = addChainRow(options, result);
   if (!status.ok()) return status;
@@ -151,7 +167,8 @@ Status run(const Options& options) {
     std::cout << lineOf(result);
     return {};
   }
-  if (!options.queries.empty()) printQueryRows(result);
+  if (options.scale > 0) printScale(result["scale"]);
+  else if (!options.queries.empty()) printQueryRows(result);
   if (!options.scenes.empty()) printSceneRows(result);
   if (options.chain) printChainRow(result["rows"].back());
   return {};
@@ -207,6 +224,10 @@ Run addBench(CLI::App& app) {
       ->type_name("S")
       ->capture_default_str()
       ->check(CLI::Range(3, 86400));
+  app.add_option("--scale", options->scale, "Instead: an index of N views, copied with noise, on disk; warm and cold")
+      ->type_name("N")
+      ->check(CLI::Range(1, 2000000000));
+  app.add_option("--scale-out", options->scale_out, "Where it stays (else in TMPDIR, and removed)")->type_name("FILE");
   app.add_flag("--json", options->json, "One JSON object");
   return [options] { return run(*options); };
 }

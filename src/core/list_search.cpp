@@ -2,6 +2,7 @@
 // Search of profile "default": a code's list is its hash, learnt from the codes themselves, and near lists are probed.
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <utility>
 
 #include "code_distance.h"
@@ -46,9 +47,9 @@ class ListSearch : public Search {
   ListSearch(std::shared_ptr<const Index> index, int lists)
       : index_(std::move(index)),
         least_lists_(static_cast<std::size_t>(std::max(lists, 1))),
-        rows_(index_->viewCount()),
-        distances_(index_->viewCount()),
-        near_(index_->viewCount()),
+        rows_(new std::uint32_t[index_->viewCount()]),
+        distances_(new std::uint32_t[index_->viewCount()]),
+        near_(new Rank[index_->viewCount()]),
         nearest_of_(index_->categories().size, kNothing) {
     centroid_distances_.resize(index_->projection()->lists());
     buckets_.reserve(index_->keys().size);
@@ -111,16 +112,16 @@ class ListSearch : public Search {
   void take(std::uint32_t bucket) {
     const auto views = static_cast<std::uint32_t>(index_->viewCount());
     for (const std::uint32_t view : index_->bucket(bucket)) {
-      if (count_ == rows_.size()) return;
+      if (count_ == views) return;
       rows_[count_] = view;
       count_ += view < views && view - left_out_first_ >= left_out_views_;
     }
   }
 
   void compare(std::size_t first, const std::uint8_t* code) {
-    squaredDistancesAt(code, index_->code(0), rows_.data() + first, count_ - first, index_->parameters().code_bytes,
-                       distances_.data() + first);
-    counts_.add({distances_.data() + first, count_ - first});
+    squaredDistancesAt(code, index_->code(0), rows_.get() + first, count_ - first, index_->parameters().code_bytes,
+                       distances_.get() + first);
+    counts_.add({distances_.get() + first, count_ - first});
   }
 
   // Categories among the nearest, more of them until enough are met.
@@ -159,8 +160,9 @@ class ListSearch : public Search {
 
   const Nearest& answer() {
     const std::size_t views = std::min<std::size_t>(near_count_, kNearestViews);
-    const auto first = near_.begin(), nth = first + static_cast<std::ptrdiff_t>(views);
-    std::partial_sort(first, nth, first + static_cast<std::ptrdiff_t>(near_count_));
+    Rank* const first = near_.get();
+    Rank* const nth = first + views;
+    std::partial_sort(first, nth, first + near_count_);
     std::transform(first, nth, views_.begin(), neighbourOf);
     std::sort(categories_.begin(), categories_.end());
     result_ = {{views_.data(), views}, {categories_.data(), categories_.size()}, static_cast<std::uint32_t>(count_)};
@@ -179,10 +181,11 @@ class ListSearch : public Search {
   std::vector<Rank> buckets_;  // numbers of buckets, with their centroids' distances
   std::size_t sorted_ = 0;
   std::uint32_t left_out_first_ = 0, left_out_views_ = 0;
-  std::vector<std::uint32_t> rows_, distances_;  // of the views compared
+  // Room for all views, in case it takes all of them; not written to beforehand, so that what is not used is not there.
+  std::unique_ptr<std::uint32_t[]> rows_, distances_;  // of the views compared
   std::size_t count_ = 0;
   DistanceCounts counts_;
-  std::vector<Rank> near_;  // the views that may be among the nearest
+  std::unique_ptr<Rank[]> near_;  // the views that may be among the nearest
   std::size_t near_count_ = 0;
   std::vector<Rank> nearest_of_;  // by category; kNothing between calls
   std::vector<std::uint32_t> met_;

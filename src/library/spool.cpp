@@ -16,9 +16,13 @@ Spool::~Spool() {
 }
 
 void Spool::append(const void* data, std::size_t bytes) {
-  if (error_ != 0) return;
-  held_.append(static_cast<const char*>(data), bytes);
-  if (held_.size() >= kHeld) writeOut();
+  const auto* const from = static_cast<const char*>(data);
+  for (std::size_t done = 0; done < bytes && error_ == 0;) {
+    const std::size_t piece = std::min(bytes - done, kHeld - held_.size());
+    held_.append(from + done, piece);
+    done += piece;
+    if (held_.size() == kHeld) writeOut();
+  }
 }
 
 void Spool::makeFile() {

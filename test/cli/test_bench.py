@@ -191,3 +191,31 @@ def test_the_curves_are_drawn(voxid, index, queries, tmp_path):
 
 def test_curves_need_queries(voxid, tmp_path):
     voxid("bench", "--scenes", tmp_path, "--plot", tmp_path / "x.png").refuses(2, "--plot", "--queries")
+
+
+def test_an_index_as_large_as_wanted_is_written_measured_and_sound(voxid, index, queries, tmp_path):
+    own = voxid("info", index, "--json").json
+    out = tmp_path / "large.vxi"
+    answer = bench(voxid, index, queries, "--scale", 5 * own["views"] - 1, "--scale-out", out)
+    assert answer.code == 0, answer.err
+    scale = answer.json["scale"]
+    assert scale["views"] == 5 * own["views"] and scale["models"] == 5 * own["models"]
+    assert scale["bytes"] == out.stat().st_size
+    assert voxid("verify", out).code == 0
+    assert [row["lists"] for row in scale["lists"]] == [4, 8, 16, 32, 64, 128]
+    assert scale["lists"][-1]["recall10"] > 0.95
+    as_it_is = bench(voxid, out, queries, "--scale", 1).json["scale"]
+    assert as_it_is["views"] == scale["views"] and "write_s" not in as_it_is
+    for row, same in zip(scale["lists"], as_it_is["lists"]):
+        assert (row["recall1"], row["recall10"], row["compared"]) == (same["recall1"], same["recall10"], same["compared"])
+
+
+def test_the_large_index_of_a_temporary_folder_is_removed(voxid, index, queries, tmp_path, monkeypatch):
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    assert voxid("bench", "--index", index, "--queries", queries, "--scale", 1000).code == 0
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_scale_needs_queries(voxid, index):
+    answer = voxid("bench", "--index", index, "--scale", 1000)
+    assert answer.code == 2 and "--queries" in answer.err

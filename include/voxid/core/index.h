@@ -91,6 +91,8 @@ class Index {
   Status checkSections() const;
   Status checkParameters() const;
   Status locate();
+  void expect(int advice) const;
+  void willRead(Span<const std::uint8_t> bytes) const;
 
   std::string path_;
   const std::uint8_t* file_ = nullptr;
