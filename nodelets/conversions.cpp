@@ -78,6 +78,14 @@ void fillSegment(const Cluster& cluster, Segment& segment) {
   segment.truncated = cluster.truncated;
 }
 
+DroppedCluster droppedClusterOf(const LeftOut& cluster) {
+  DroppedCluster message;
+  message.cause = static_cast<std::uint8_t>(cluster.reason);
+  message.points = cluster.pixels;
+  message.box = regionOf(cluster.box_px);
+  return message;
+}
+
 TablePlane tableOf(const Table& table) {
   TablePlane message;
   message.normal = vectorOf(table.normal.cast<double>());
@@ -183,6 +191,8 @@ void fillSegments(const Scene& scene, int width_px, int height_px, Segments* mes
   message->segments.resize(scene.clusters.size);
   for (std::size_t i = 0; i < scene.clusters.size; ++i) fillSegment(scene.clusters[i], message->segments[i]);
   message->dropped.assign(scene.dropped.begin(), scene.dropped.end());
+  message->dropped_clusters.resize(scene.left_out.size);
+  std::transform(scene.left_out.begin(), scene.left_out.end(), message->dropped_clusters.begin(), droppedClusterOf);
   message->valid_pixels = scene.valid_pixels;
 }
 

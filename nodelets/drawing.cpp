@@ -51,6 +51,30 @@ void write(const std::string& text, cv::Point at, double size, cv::Mat* image) {
   cv::putText(*image, text, at, cv::FONT_HERSHEY_SIMPLEX, size, cv::Scalar::all(255), 1, cv::LINE_AA);
 }
 
+cv::Point pixelOf(const Camera& camera, const geometry_msgs::Point& point_m) {
+  constexpr double kPixel = 1.0 / 65536;
+  return {static_cast<int>(std::lround((camera.fx_q16 * point_m.x / point_m.z + camera.cx_q16) * kPixel)),
+          static_cast<int>(std::lround((camera.fy_q16 * point_m.y / point_m.z + camera.cy_q16) * kPixel))};
+}
+
+void drawOutline(const Camera& camera, const TablePlane& table, cv::Mat* image) {
+  std::vector<cv::Point> corners;
+  for (const geometry_msgs::Point& corner : table.outline) corners.push_back(pixelOf(camera, corner));
+  if (!corners.empty()) cv::polylines(*image, corners, true, cv::Scalar::all(255), 1, cv::LINE_AA);
+}
+
+/// A cluster that is no object, and why.
+void drawDropped(const DroppedCluster& cluster, cv::Mat* image) {
+  if (cluster.cause >= static_cast<std::uint8_t>(DropReason::kCount)) return;  // of a later version
+  const cv::Rect box(cluster.box.x_offset, cluster.box.y_offset, cluster.box.width, cluster.box.height);
+  cv::rectangle(*image, box, cv::Scalar::all(190), 1);
+  constexpr std::uint32_t kWorthWords = 30;  // points; crumbs would hide the picture behind their captions
+  if (cluster.points < kWorthWords) return;
+  std::string reason = nameOf(static_cast<DropReason>(cluster.cause));
+  std::replace(reason.begin(), reason.end(), '_', ' ');
+  write(reason, {box.x, std::max(box.y - 3, 10)}, image->cols / 1800.0, image);
+}
+
 void drawObject(const Object& object, cv::Mat* image) {
   const cv::Rect box(object.box.x_offset, object.box.y_offset, object.box.width, object.box.height);
   cv::rectangle(*image, box, cv::Scalar(bgrOf(object.id)), 1);
@@ -129,6 +153,8 @@ std::string captionOf(const Object& object) {
 
 cv::Mat drawOverlay(const DepthView& depth, const Segments& segments, const Objects& objects) {
   cv::Mat image = greyImage(depth);
+  drawOutline(depth.camera, segments.table, &image);
+  for (const DroppedCluster& cluster : segments.dropped_clusters) drawDropped(cluster, &image);
   for (const Segment& segment : segments.segments) tint(segment, &image);
   for (const Object& object : objects.objects) drawObject(object, &image);
   if (objects.objects.empty()) write(statusName(objects.status), {8, image.rows - 10}, image.cols / 1000.0, &image);

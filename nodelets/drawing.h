@@ -16,7 +16,8 @@ namespace voxid {
 /// "mug 87 %"; "?" for an unknown one.
 std::string captionOf(const Object& object);
 
-/// The depth image in grey, near things bright, with every object in its colour, its box and its caption; 8-bit BGR.
+/// The depth image in grey, near things bright, with every object in its colour, its box and its caption, the table's
+/// outline, and the clusters that are no objects with the reason; 8-bit BGR.
 cv::Mat drawOverlay(const DepthView& depth, const Segments& segments, const Objects& objects);
 
 /// Boxes (namespace "box", CUBE), captions ("label", TEXT_VIEW_FACING) by object id, and the table's outline ("table",

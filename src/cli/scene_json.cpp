@@ -106,6 +106,18 @@ void writeCaption(const Cluster& cluster, const std::string& caption, cv::Mat& p
   cv::putText(picture, caption, {x, y}, cv::FONT_HERSHEY_SIMPLEX, kSize, colourOf(cluster.id), 1, cv::LINE_AA);
 }
 
+/// Its pixel box and why it is no object.
+void drawLeftOut(const LeftOut& cluster, cv::Mat& picture) {
+  const cv::Scalar grey = cv::Scalar::all(190);
+  const PixelBox& box = cluster.box_px;
+  cv::rectangle(picture, cv::Rect(box.x, box.y, box.width, box.height), grey);
+  constexpr std::uint32_t kWorthWords = 30;  // pixels; crumbs would hide the picture behind their captions
+  if (cluster.pixels < kWorthWords) return;
+  std::string reason = nameOf(cluster.reason);
+  std::replace(reason.begin(), reason.end(), '_', ' ');
+  cv::putText(picture, reason, {box.x, std::max(box.y - 3, 10)}, cv::FONT_HERSHEY_SIMPLEX, 0.35, grey, 1, cv::LINE_AA);
+}
+
 }  // namespace
 
 Json toJson(const Table& table) {
@@ -165,6 +177,7 @@ Status writeLabels(const std::string& folder, const std::string& input, const cv
 cv::Mat drawScene(const DepthView& depth, const Scene& scene, const std::vector<std::string>& captions) {
   cv::Mat picture = greyOf(depth);
   if (hasTable(scene)) drawOutline(depth.camera, scene.table, picture);
+  for (const LeftOut& cluster : scene.left_out) drawLeftOut(cluster, picture);
   for (const Cluster& cluster : scene.clusters) {
     tint(cluster, picture);
     drawBox(depth.camera, cluster, picture);

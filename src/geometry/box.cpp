@@ -48,6 +48,18 @@ PixelBox pixelBoxOf(Span<const Run> runs, int width_px) {
   return {static_cast<int>(left), top, static_cast<int>(right - left), bottom - top + 1};
 }
 
+PixelBox pixelBoxOf(Span<const std::uint32_t> pixels, int width_px) {
+  const auto width = static_cast<std::uint32_t>(width_px);
+  std::uint32_t left = width, right = 0;
+  visitRuns(pixels, width, [&](Run run) {
+    left = std::min(left, run.begin % width);
+    right = std::max(right, (run.end - 1) % width + 1);
+  });
+  const std::uint32_t top = pixels[0] / width, bottom = pixels[pixels.size - 1] / width;
+  return {static_cast<int>(left), static_cast<int>(top), static_cast<int>(right - left),
+          static_cast<int>(bottom - top) + 1};
+}
+
 BoxFitter::BoxFitter() : columns_(kColumns) {
   sorted_.reserve(2 * kColumns);
   hull_.resize(4 * kColumns);
@@ -85,18 +97,13 @@ std::size_t BoxFitter::hull() {
 void BoxFitter::fit(const Surface& surface, Cluster& cluster) {
   outermost_.clear();
   Sums sums;
-  int left = surface.inverse.width_px, right = 0;
   visitRuns(cluster.pixels, static_cast<std::uint32_t>(surface.inverse.width_px), [&](Run run) {
-    const int begin = static_cast<int>(run.begin) - surface.row(run.begin) * surface.inverse.width_px;
-    left = std::min(left, begin);
-    right = std::max(right, begin + static_cast<int>(run.end - run.begin));
     surface.visitPlaced(run, [&](const PlanRays::Placed& placed, int count) {
       addTo(sums, placed, count);
       outermost_.add(placed.x_um, placed.y_um, count);
     });
   });
-  const int top = surface.row(cluster.pixels[0]), bottom = surface.row(cluster.pixels[cluster.pixels.size - 1]);
-  cluster.box_px = {left, top, right - left, bottom - top + 1};
+  cluster.box_px = pixelBoxOf(cluster.pixels, surface.inverse.width_px);
   cluster.truncated |= touchesBorder(cluster.box_px, surface.inverse.width_px, surface.inverse.height_px);
   const double per_point = 1e-6 / static_cast<double>(cluster.pixels.size);
   cluster.centroid_m = surface.plan

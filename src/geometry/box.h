@@ -13,6 +13,8 @@ namespace voxid {
 
 /// The smallest box around ascending runs; at least one.
 PixelBox pixelBoxOf(Span<const Run> runs, int width_px);
+/// The same around ascending pixels.
+PixelBox pixelBoxOf(Span<const std::uint32_t> pixels, int width_px);
 
 /// Pixel box, centroid, and the smallest box that stands on the table around the points.
 class BoxFitter {

@@ -21,6 +21,7 @@ constexpr int kLongestSide_px = 8192;  // keeps the plane's sums within 64 bits
 constexpr std::int64_t kMostPixels = 1 << 24;
 constexpr std::int64_t kReferencePixels = 640 * 480;  // at which pixel counts are given
 constexpr std::size_t kMostClusters = 255;            // the parameter's upper limit
+constexpr std::size_t kMostLeftOut = 64;              // that are told one by one
 constexpr std::size_t kOutlineProbes = 256;           // points of a cluster that are compared with the outline
 
 bool usable(const DepthView& depth) {
@@ -62,7 +63,8 @@ struct Segmenter::Workspace {
   RimGrower rim;
   BoxFitter boxes;
   std::vector<std::uint32_t> pixels;  ///< of the clusters
-  std::vector<Point2> probes;         ///< feet of a cluster's points
+  std::vector<LeftOut> left_out;
+  std::vector<Point2> probes;  ///< feet of a cluster's points
   std::vector<Cluster> clusters;
   Scene scene;
 
@@ -70,7 +72,7 @@ struct Segmenter::Workspace {
   void reserve(int width_px, int height_px);
   bool findTable(const DepthView& depth, const SegmentParams& params);
   void findClusters(const DepthView& depth, const SegmentParams& params);
-  void drop(DropReason reason) { ++scene.dropped[static_cast<std::size_t>(reason)]; }
+  void drop(DropReason reason, Span<const std::uint32_t> gone);
   void findParts(const Surface& surface, const Camera& camera, const SegmentParams& params);
   void takeClusters(const Surface& surface, const SegmentParams& params);
   int shareInside_percent(const Surface& surface, Span<const std::uint32_t> probed, std::int32_t margin_um);
@@ -94,11 +96,13 @@ void Segmenter::Workspace::reserve(int width_px, int height_px) {
   pixels.reserve(count);
   probes.reserve(2 * kOutlineProbes);
   clusters.reserve(kMostClusters);
+  left_out.reserve(kMostLeftOut);
 }
 
 void Segmenter::Workspace::segment(const DepthView& depth, const SegmentParams& params) {
   scene = Scene{};
   clusters.clear();
+  left_out.clear();
   if (!usable(depth)) {
     scene.status = SceneStatus::BadInput;
     return;
@@ -112,6 +116,7 @@ void Segmenter::Workspace::segment(const DepthView& depth, const SegmentParams& 
   if (!findTable(depth, params)) return;
   findClusters(depth, params);
   scene.clusters = {clusters.data(), clusters.size()};
+  scene.left_out = {left_out.data(), left_out.size()};
   scene.status = clusters.empty() ? SceneStatus::EmptyTable : SceneStatus::Ok;
 }
 
@@ -147,15 +152,28 @@ int Segmenter::Workspace::shareInside_percent(const Surface& surface, Span<const
                           static_cast<std::ptrdiff_t>(probes.size()));
 }
 
+void Segmenter::Workspace::drop(DropReason reason, Span<const std::uint32_t> gone) {
+  ++scene.dropped[static_cast<std::size_t>(reason)];
+  const LeftOut cluster{reason, static_cast<std::uint32_t>(gone.size), pixelBoxOf(gone, inverse.width_px)};
+  if (left_out.size() < kMostLeftOut) {
+    left_out.push_back(cluster);
+    return;
+  }
+  const auto smallest = std::min_element(left_out.begin(), left_out.end(),
+                                         [](const LeftOut& a, const LeftOut& b) { return a.pixels < b.pixels; });
+  if (smallest->pixels < cluster.pixels) *smallest = cluster;
+}
+
 /// Past the limit the smallest makes room; of equal ones the later. The limit bounds the work a group costs.
 void Segmenter::Workspace::keep(const Cluster& cluster, std::size_t most) {
   const auto goesFirst = [](const Cluster& a, const Cluster& b) {
     return a.pixels.size != b.pixels.size ? a.pixels.size < b.pixels.size : a.pixels[0] > b.pixels[0];
   };
   if (clusters.size() >= most) {
-    drop(DropReason::TooMany);
     const auto smallest = std::min_element(clusters.begin(), clusters.end(), goesFirst);
-    if (goesFirst(cluster, *smallest)) return;
+    const Cluster& gone = goesFirst(cluster, *smallest) ? cluster : *smallest;
+    drop(DropReason::TooMany, gone.pixels);
+    if (&gone == &cluster) return;
     clusters.erase(smallest);
   }
   clusters.push_back(cluster);
@@ -178,18 +196,19 @@ void Segmenter::Workspace::takeClusters(const Surface& surface, const SegmentPar
   pixels.clear();
   for (std::size_t part = 0; part < components.parts(); ++part) {
     if (!components.firstOfGroup(part)) continue;
-    if (components.pixelsInGroup(part) < fewest) {
-      drop(DropReason::TooFewPoints);
-      continue;
-    }
     const std::size_t first = pixels.size();
     components.collect(part, pixels);
     Cluster cluster;
     cluster.pixels = {pixels.data() + first, pixels.size() - first};
+    if (cluster.pixels.size < fewest) {
+      drop(DropReason::TooFewPoints, cluster.pixels);
+      pixels.resize(first);
+      continue;
+    }
     const int inside_percent = shareInside_percent(surface, cluster.pixels, params.outline_margin_mm * 1000);
     cluster.truncated = inside_percent < kMostlyInside_percent;
     if (inside_percent < kOnTheTable_percent) {
-      drop(DropReason::OutsideOutline);
+      drop(DropReason::OutsideOutline, cluster.pixels);
     } else {
       keep(cluster, most);
     }

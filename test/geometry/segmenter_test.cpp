@@ -267,6 +267,14 @@ TEST(Segmenter, DropsAndCountsWhatIsNoObject) {
   EXPECT_GE(scene.dropped[static_cast<std::size_t>(DropReason::TooFewPoints)], 1u);
   EXPECT_EQ(scene.dropped[static_cast<std::size_t>(DropReason::OutsideOutline)], 1u);
   EXPECT_EQ(scene.dropped[static_cast<std::size_t>(DropReason::TooMany)], 0u);
+  const LeftOut* in_the_air = nullptr;
+  for (const LeftOut& cluster : scene.left_out) {
+    if (cluster.reason == DropReason::OutsideOutline) in_the_air = &cluster;
+  }
+  ASSERT_NE(in_the_air, nullptr);
+  EXPECT_GT(in_the_air->pixels, 200u);
+  EXPECT_GT(in_the_air->box_px.x, View{}.width_px / 2);
+  EXPECT_LE(in_the_air->pixels, static_cast<unsigned>(in_the_air->box_px.width * in_the_air->box_px.height));
 }
 
 TEST(Segmenter, KeepsTheLargestOfTooMany) {
@@ -283,6 +291,11 @@ TEST(Segmenter, KeepsTheLargestOfTooMany) {
   EXPECT_EQ(scene.clusters[0].pixels.size, largest);
   EXPECT_EQ(scene.clusters[0].id, 1);
   EXPECT_EQ(scene.dropped[static_cast<std::size_t>(DropReason::TooMany)], 2u);
+  ASSERT_EQ(scene.left_out.size, 2u);
+  for (const LeftOut& cluster : scene.left_out) {
+    EXPECT_EQ(cluster.reason, DropReason::TooMany);
+    EXPECT_LT(cluster.pixels, largest);
+  }
 }
 
 TEST(Segmenter, FloatMetresGiveTheSameScene) {

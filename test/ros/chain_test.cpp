@@ -418,12 +418,23 @@ TEST_F(Chain, DebugCloudsAreNotThereUnlessAskedFor) {
 TEST_F(Chain, DiagnosticsCountWhatWasDroppedAndWhy) {
   start();
   Diagnostics diagnostics(name_);
+  Listener<Segments> segmented(node_, "segments");
   Listener<Objects> listener(node_, "objects");
   TableScene scene;
   scene.boxes.push_back({{0.0, 0.62, 0.006}, {0.012, 0.012, 0.012}});  // a crumb
   const ObjectsConstPtr objects = answerTo(scene.depth_mm(), listener);
   ASSERT_TRUE(objects);
   ASSERT_GE(objects->dropped[0], 1u);
+  const SegmentsConstPtr segments = segmented.wait(objects->header.stamp, 5);
+  ASSERT_TRUE(segments);
+  ASSERT_EQ(segments->dropped_clusters.size(), objects->dropped[0]);
+  EXPECT_EQ(segments->dropped_clusters[0].cause, 0u);
+  EXPECT_GT(segments->dropped_clusters[0].points, 5u);
+  const Eigen::Vector3d crumb = scene.inCamera(scene.boxes.back().centre_m);
+  const double u = crumb.x() / crumb.z() * TableScene::kFocal_px + TableScene::kCx_px;
+  EXPECT_TRUE(std::any_of(
+      segments->dropped_clusters.begin(), segments->dropped_clusters.end(),
+      [&](const auto& cluster) { return std::abs(cluster.box.x_offset + cluster.box.width / 2.0 - u) < 3; }));
   ASSERT_TRUE(listener.wait(show(std::vector<std::uint16_t>(320 * 240, 0)), 5));
   EXPECT_TRUE(diagnostics.becomes("segmentation", "frames_NO_DEPTH", "1"));
   const int ok = std::stoi(diagnostics.value("segmentation", "frames_OK"));

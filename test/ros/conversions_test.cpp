@@ -468,6 +468,31 @@ TEST(Overlay, ColoursTheObjectAndNothingElse) {
   EXPECT_EQ(drawing.at<cv::Vec3b>(20 + 39, 10 + 5)[1], colourOf(3)[1]);  // the box's lower edge
 }
 
+TEST(Overlay, DrawsTheTablesOutlineAndWhatWasDroppedWithTheReason) {
+  const auto image = imageOf(std::vector<std::uint16_t>(320 * 240, 1000), ros::Time(5));
+  const DepthView depth = viewOf(*image, *infoOf(ros::Time(5))).value;
+  Segments segments;
+  segments.width = 320;
+  segments.height = 240;
+  // Half a metre to each side at 1.05 m is 125 pixels.
+  for (const auto& [x, y] : {std::pair(-0.5, -0.2), {0.5, -0.2}, {0.5, 0.2}, {-0.5, 0.2}})
+    segments.table.outline.push_back(pointOf({x, y, 1.05}));
+  segments.dropped_clusters.resize(1);
+  segments.dropped_clusters[0].cause = 1;
+  segments.dropped_clusters[0].points = 400;
+  segments.dropped_clusters[0].box.x_offset = 200;
+  segments.dropped_clusters[0].box.y_offset = 150;
+  segments.dropped_clusters[0].box.width = 30;
+  segments.dropped_clusters[0].box.height = 20;
+  const cv::Mat with = drawOverlay(depth, segments, Objects());
+  const cv::Mat without = drawOverlay(depth, Segments(), Objects());
+  EXPECT_GT(with.at<cv::Vec3b>(120, 159 - 125 + 1)[0], 230);  // the outline's left side
+  EXPECT_LT(without.at<cv::Vec3b>(120, 159 - 125 + 1)[0], 200);
+  EXPECT_EQ(with.at<cv::Vec3b>(160, 200)[0], 190);            // the dropped cluster's left side
+  const cv::Rect text(198, 138, 90, 10);
+  EXPECT_GT(cv::norm(with(text), without(text), cv::NORM_L1), 5000);
+}
+
 TEST(Params, ReconfigurableDefaultsAreTheLibrarys) {
   const SegmentParams p = paramsOf(SegmentationConfig::__getDefault__());
   EXPECT_EQ(p.min_depth_mm, SegmentParams().min_depth_mm);

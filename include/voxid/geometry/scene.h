@@ -52,12 +52,20 @@ struct Cluster {
 enum class DropReason : std::uint8_t { TooFewPoints, OutsideOutline, TooMany, kCount };
 const char* nameOf(DropReason reason);  ///< "too_few_points", ...
 
+/// A cluster that is no object.
+struct LeftOut {
+  DropReason reason = DropReason::TooFewPoints;
+  std::uint32_t pixels = 0;
+  PixelBox box_px;
+};
+
 /// What a frame shows. Lists belong to the Segmenter until its next call.
 struct Scene {
   SceneStatus status = SceneStatus::NoDepth;
   Table table;  ///< only with Ok and EmptyTable
   Span<const Cluster> clusters;
   std::array<std::uint32_t, static_cast<int>(DropReason::kCount)> dropped{};  ///< clusters, by DropReason
+  Span<const LeftOut> left_out;    ///< of those the largest, at most 64, in any order
   std::uint32_t valid_pixels = 0;  ///< inside the depth range
 };
 
