@@ -35,6 +35,7 @@ void ClassificationNodelet::onInit() {
   config_->setCallback([this](ClassificationConfig& config, std::uint32_t) { onConfig(config); });
   startTransforms();
   remembers_ = getPrivateNodeHandle().param("memory", true);
+  poses_.start(node, getPrivateNodeHandle(), [this] { return params(); });
   watch_.start(getPrivateNodeHandle().param<std::string>("index", ""),
                getPrivateNodeHandle().param("watch_index", true));
   followIndex(watch_.index() != nullptr);
@@ -82,11 +83,13 @@ void ClassificationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image,
     nameAll(depth.value, *segments, objects.get());
   else
     setStatus(kBadInput, depth.status.sentence, objects.get());
-  moveToTarget(objects.get());
+  const Eigen::Isometry3d target_from_camera = moveToTarget(objects.get());
   fillAnswers(objects.get());
+  poses_.show(objects.get());
   objects->classify_ms = watch.ms();
   objects->latency_ms = static_cast<float>((ros::Time::now() - image->header.stamp).toSec() * 1e3);
   objects_.publish(objects);
+  if (depth.ok()) poses_.offer({image, info, segments, objects, target_from_camera});
   report(*objects, depth.status);
   health_.cost(watch.ms(), watch.cpuMs() + std::max(0.0, helpersCpuMs() - helped_ms));
 }
@@ -142,16 +145,20 @@ void ClassificationNodelet::nameAll(const DepthView& depth, const Segments& segm
   objects->index = recognisers->index().path();
 }
 
-void ClassificationNodelet::moveToTarget(Objects* objects) {
-  if (!transforms_ || objects->camera_frame == target_frame_) return;
+Eigen::Isometry3d ClassificationNodelet::moveToTarget(Objects* objects) {
+  const Eigen::Isometry3d unmoved = Eigen::Isometry3d::Identity();
+  if (!transforms_ || objects->camera_frame == target_frame_) return unmoved;
   try {
     const auto found = transforms_->lookupTransform(target_frame_, objects->camera_frame, objects->header.stamp);
-    transform(eigenOf(found.transform), objects);
+    const Eigen::Isometry3d target_from_camera = eigenOf(found.transform);
+    transform(target_from_camera, objects);
     objects->header.frame_id = target_frame_;
+    return target_from_camera;
   } catch (const tf2::TransformException& error) {
-    if (objects->objects.empty()) return;
-    setStatus(kNoTransform, statusText(kNoTransform) + " (" + error.what() + ")", objects);
+    if (!objects->objects.empty())
+      setStatus(kNoTransform, statusText(kNoTransform) + " (" + error.what() + ")", objects);
   }
+  return unmoved;
 }
 
 // Poses that did not come into the target frame cannot be compared with those before.
@@ -188,13 +195,19 @@ void ClassificationNodelet::report(const Objects& objects, const Status& input) 
     health_.reason(Health::Level::Warn, "no transform from '" + objects.camera_frame + "' to '" + target_frame_ +
                                             "' at the depth frame's stamp: poses stay in the camera's frame");
   else
-    health_.well();
+    reportPoses();
+}
+
+void ClassificationNodelet::reportPoses() {
+  const std::string trouble = poses_.trouble();
+  health_.reason(trouble.empty() ? Health::Level::Ok : Health::Level::Warn, trouble);
 }
 
 void ClassificationNodelet::followIndex(bool replaced) {
   if (replaced) {
     recognisers_.reset();  // of the index before; the next frame makes new ones
     recognisers(params().threads);
+    poses_.setIndex(watch_.index());
     if (remembers_) memory_ = std::make_unique<ObjectMemory>(watch_.index()->categories().size);
     NODELET_INFO("index %s: %u models, %u views", watch_.index()->path().c_str(), watch_.index()->header().models,
                  watch_.index()->header().views);

@@ -18,6 +18,7 @@
 #include "index_watch.h"
 #include "message_pool.h"
 #include "params.h"
+#include "pose_finder.h"
 #include "recogniser_pool.h"
 #include "voxid/geometry/object_memory.h"
 
@@ -26,7 +27,8 @@ namespace voxid {
 /// depth/image_raw + depth/camera_info + segments of one stamp -> objects, one message a frame. Parameters: ~index
 /// (path of a .vxi file), ~watch_index (true: a replaced file is used within a second), ~target_frame (empty: poses
 /// stay in the camera's frame), ~memory (true: what earlier frames said about an object counts, too, and it keeps its
-/// number; doc/memory.md; with a moving camera name a ~target_frame that rests).
+/// number; doc/memory.md; with a moving camera name a ~target_frame that rests). Poses of models and the services:
+/// PoseFinder.
 class ClassificationNodelet : public nodelet::Nodelet {
  public:
   ~ClassificationNodelet() override;
@@ -50,10 +52,11 @@ class ClassificationNodelet : public nodelet::Nodelet {
   RecogniserPool* recognisers(int threads);
   double helpersCpuMs() const;
   void nameAll(const DepthView& depth, const Segments& segments, Objects* objects);
-  void moveToTarget(Objects* objects);
+  Eigen::Isometry3d moveToTarget(Objects* objects);
   void fillAnswers(Objects* objects);
   void remember(const Objects& objects);
   void report(const Objects& objects, const Status& input);
+  void reportPoses();
   ClassifyParams params() const;
 
   bool closing_ = false;
@@ -66,6 +69,7 @@ class ClassificationNodelet : public nodelet::Nodelet {
   bool remembers_ = true;
   std::unique_ptr<ObjectMemory> memory_;
   std::vector<Sighting> sightings_;
+  PoseFinder poses_;
   MessagePool<Objects> pool_;
   std::string target_frame_;
   std::unique_ptr<tf2_ros::Buffer> transforms_;

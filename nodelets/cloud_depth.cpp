@@ -33,49 +33,23 @@ struct LineSums {
   }
 };
 
-Status offsetsOf(const sensor_msgs::PointCloud2& cloud, std::uint32_t (&offsets)[3]) {
-  const char* const names[] = {"x", "y", "z"};
-  for (int i = 0; i < 3; ++i) {
-    const auto field = std::find_if(cloud.fields.begin(), cloud.fields.end(),
-                                    [&](const sensor_msgs::PointField& f) { return f.name == names[i]; });
-    if (field == cloud.fields.end() || field->datatype != sensor_msgs::PointField::FLOAT32 ||
-        field->offset + 4 > cloud.point_step)
-      return Status::badUse(std::string("the cloud has no field '") + names[i] +
-                            "' of float32: remap points to another");
-    offsets[i] = field->offset;
-  }
-  return {};
-}
-
 Status checkShape(const sensor_msgs::PointCloud2& cloud) {
   if (cloud.height < 2 || cloud.width < 2)
     return Status::badUse("the cloud is not organised (" + std::to_string(cloud.width) + " x " +
                           std::to_string(cloud.height) +
                           " points), expected rows and columns as the camera saw them: remap points to the driver's "
                           "organised cloud, or give the depth image itself");
-  if (cloud.is_bigendian) return Status::badUse("the cloud is in big-endian order, expected little-endian");
-  const std::uint64_t row_bytes = std::uint64_t{cloud.point_step} * cloud.width;
-  if (cloud.row_step < row_bytes || cloud.data.size() < std::uint64_t{cloud.row_step} * cloud.height)
-    return Status::badUse("the cloud of " + std::to_string(cloud.width) + " x " + std::to_string(cloud.height) +
-                          " points has " + std::to_string(cloud.data.size()) + " bytes: the publisher is broken");
   return {};
-}
-
-float valueAt(const sensor_msgs::PointCloud2& cloud, std::uint32_t u, std::uint32_t v, std::uint32_t offset) {
-  float value;
-  std::memcpy(&value, &cloud.data[std::size_t{cloud.row_step} * v + std::size_t{cloud.point_step} * u + offset], 4);
-  return value;
 }
 
 }  // namespace
 
-Status CloudDepth::findCamera(const sensor_msgs::PointCloud2& cloud, const std::uint32_t (&offsets)[3]) {
+Status CloudDepth::findCamera(const sensor_msgs::PointCloud2& cloud, const CloudFields& fields) {
   LineSums columns, rows;
   const std::uint32_t du = std::max(1u, cloud.width / kSamplesASide), dv = std::max(1u, cloud.height / kSamplesASide);
   for (std::uint32_t v = 0; v < cloud.height; v += dv) {
     for (std::uint32_t u = 0; u < cloud.width; u += du) {
-      const float x = valueAt(cloud, u, v, offsets[0]), y = valueAt(cloud, u, v, offsets[1]),
-                  z = valueAt(cloud, u, v, offsets[2]);
+      const float x = fields.x(u, v), y = fields.y(u, v), z = fields.z(u, v);
       if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z) || z <= 0) continue;
       columns.add(x / z, u);
       rows.add(y / z, v);
@@ -103,10 +77,10 @@ Status CloudDepth::findCamera(const sensor_msgs::PointCloud2& cloud, const std::
 
 Status CloudDepth::convert(const sensor_msgs::PointCloud2& cloud, sensor_msgs::Image* image,
                            sensor_msgs::CameraInfo* info) {
-  std::uint32_t offsets[3];
-  for (const Status& status : {checkShape(cloud), offsetsOf(cloud, offsets)})
-    if (!status.ok()) return status;
-  if (const Status camera = findCamera(cloud, offsets); !camera.ok()) return camera;
+  if (const Status shape = checkShape(cloud); !shape.ok()) return shape;
+  const Result<CloudFields> fields = CloudFields::of(cloud);
+  if (!fields.ok()) return fields.status;
+  if (const Status camera = findCamera(cloud, fields.value); !camera.ok()) return camera;
   image->header = info->header = cloud.header;
   image->width = info->width = cloud.width;
   image->height = info->height = cloud.height;
@@ -116,7 +90,7 @@ Status CloudDepth::convert(const sensor_msgs::PointCloud2& cloud, sensor_msgs::I
   image->data.resize(std::size_t{image->step} * cloud.height);
   for (std::uint32_t v = 0; v < cloud.height; ++v) {
     for (std::uint32_t u = 0; u < cloud.width; ++u) {
-      const float z = valueAt(cloud, u, v, offsets[2]);
+      const float z = fields.value.z(u, v);
       std::memcpy(&image->data[std::size_t{image->step} * v + std::size_t{4} * u], &z, 4);
     }
   }

@@ -5,6 +5,7 @@
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/PointCloud2.h>
 
+#include "cloud_fields.h"
 #include "voxid/core/status.h"
 
 namespace voxid {
@@ -27,7 +28,7 @@ class CloudDepth {
   Axis column_, row_;
   std::uint32_t width_ = 0, height_ = 0;  // that the axes were found for
 
-  Status findCamera(const sensor_msgs::PointCloud2& cloud, const std::uint32_t (&offsets)[3]);
+  Status findCamera(const sensor_msgs::PointCloud2& cloud, const CloudFields& fields);
 };
 
 }  // namespace voxid

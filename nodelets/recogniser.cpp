@@ -6,10 +6,16 @@ namespace voxid {
 Recogniser::Recogniser(std::shared_ptr<const Index> index)
     : index_(std::move(index)), encoder_(makeEncoder(index_->profile())), code_(index_->parameters().code_bytes) {}
 
+const Nearest* Recogniser::nearest(const DepthView& depth, Span<const std::uint32_t> pixels,
+                                   const ClassifyParams& params) {
+  if (encoder_->encode(depth, pixels, code_.data()) != DescribeStatus::Ok) return nullptr;
+  return &searchFor(params).find(code_.data());
+}
+
 Answer Recogniser::recognise(const DepthView& depth, Span<const std::uint32_t> pixels, const ClassifyParams& params) {
-  if (encoder_->encode(depth, pixels, code_.data()) != DescribeStatus::Ok) return {};
-  const Nearest& nearest = searchFor(params).find(code_.data());
-  return classify(*index_, nearest, params.vote ? ClassifyMethod::Vote : ClassifyMethod::OneNn,
+  const Nearest* const found = nearest(depth, pixels, params);
+  if (!found) return {};
+  return classify(*index_, *found, params.vote ? ClassifyMethod::Vote : ClassifyMethod::OneNn,
                   params.min_score_permille);
 }
 

@@ -18,6 +18,8 @@ class Recogniser {
 
   /// What the pixels (row * width + column) show; `count` is zero if they have no extent.
   Answer recognise(const DepthView& depth, Span<const std::uint32_t> pixels, const ClassifyParams& params);
+  /// The views nearest to them, until the next call; null if they have no extent.
+  const Nearest* nearest(const DepthView& depth, Span<const std::uint32_t> pixels, const ClassifyParams& params);
   const Index& index() const { return *index_; }
 
  private:

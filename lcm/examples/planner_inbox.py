@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a grasp planner does with VOXID_OBJECTS, with nothing but Python's standard library: a line an object, and the
-nearest one of a wanted label. Ends after --seconds or --count messages; exits 1 if none arrived.
+"""What a grasp planner does with VOXID_OBJECTS, with nothing but Python's standard library: a line an object, the
+nearest graspable one of a wanted label, and where a gripper is to go first. Ends after --seconds or --count messages; exits 1 if none arrived.
 
 The module of the message types is what lcm-gen makes of voxid.lcm; --types names the folder that holds it. (ROS's own
 Python package is called voxid too: a program that wants both starts two processes, as robots do anyway.)
@@ -73,14 +73,40 @@ def distance_m(o):
     return math.dist(o.position_m, (0, 0, 0))
 
 
-def show(objects, wanted):
+def approach_from_above(o, above_m=0.1):
+    """Position 10 cm above the middle of the box's top, quaternion w, x, y, z. The box's z is the table's normal; turned by
+    half about its x it points down, and y, along the shorter side, is what the fingers close in."""
+    w, x, y, z = o.quat_wxyz
+    up = (2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y))
+    height_m = o.extents_m[2] / 2 + above_m
+    return [p + height_m * u for p, u in zip(o.position_m, up)], (-x, w, z, -y)
+
+
+def graspable(o, wanted, opening_m):
+    return wanted in ("", o.label) and not o.truncated and o.extents_m[1] <= opening_m
+
+
+def digits(numbers):
+    return ",".join(f"{x:.3f}" for x in numbers)
+
+
+def show_grasp(o):
+    position_m, quat_wxyz = approach_from_above(o)
+    print(f"grasp number={o.number} label={o.label} distance_m={distance_m(o):.3f} width_m={o.extents_m[1]:.3f} "
+          f"approach_m={digits(position_m)} quat_wxyz={digits(quat_wxyz)}")
+    m = o.model_pose
+    if m.status == m.ALIGNED:
+        print(f"aligned number={o.number} model={m.label}/{m.model} scale_m={m.scale_m:.3f} fit_mm={m.fit_mm:.1f} "
+              f"rotation_known={int(m.rotation_known)}")
+
+
+def show(objects, wanted, opening_m):
     for o in objects.objects:
-        position = ",".join(f"{x:.3f}" for x in o.position_m)
         print(f"object utime={objects.utime} number={o.number} label={o.label} score={o.score:.3f} model={o.model} "
-              f"view={o.view} position_m={position}")
-    nearest = min((o for o in objects.objects if wanted in ("", o.label)), key=distance_m, default=None)
+              f"view={o.view} position_m={digits(o.position_m)}")
+    nearest = min((o for o in objects.objects if graspable(o, wanted, opening_m)), key=distance_m, default=None)
     if nearest:
-        print(f"grasp number={nearest.number} label={nearest.label} distance_m={distance_m(nearest):.3f}")
+        show_grasp(nearest)
     sys.stdout.flush()
 
 
@@ -90,6 +116,7 @@ def main():
     parser.add_argument("--seconds", type=float, default=math.inf)
     parser.add_argument("--count", type=float, default=math.inf)
     parser.add_argument("--label", default="", help="pick the nearest of this category (default: of any)")
+    parser.add_argument("--opening", type=float, default=0.08, help="of the gripper, metres (default: 0.08)")
     parser.add_argument("--types", help="folder that holds the generated module")
     args = parser.parse_args()
 
@@ -97,7 +124,7 @@ def main():
     received = 0
     for payload in messages(join(args.url), args.seconds, args.count):
         received += 1
-        show(object_list_t.decode(payload), args.label)
+        show(object_list_t.decode(payload), args.label, args.opening)
     print(f"received={received}")
     return 0 if received else 1
 

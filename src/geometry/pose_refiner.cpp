@@ -2,6 +2,7 @@
 #include "pose_refiner.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -103,6 +104,14 @@ bool hidden(float seen_mm, float drawn_mm) { return seen_mm > 0 && seen_mm < dra
 constexpr float kNothingSeen = 0.7f;
 /// A depth that differs by this much is as wrong as a pixel that is not covered.
 constexpr float kWorstMm = 10;
+
+/// Rounding makes small eigenvalues negative; none counts as less than a millionth of the largest.
+PoseMatrix positiveInverse(const PoseMatrix& information) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(information.cast<double>());
+  const double least = 1e-6 * std::max(solver.eigenvalues().maxCoeff(), 1e-12);
+  const Eigen::VectorXd inverse = solver.eigenvalues().cwiseMax(least).cwiseInverse();
+  return (solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose()).cast<float>();
+}
 
 }  // namespace
 
@@ -248,7 +257,7 @@ PoseCovariance PoseRefiner::covarianceAt(const ModelSurface& surface, const Obse
   for (const auto& [block, sum] : blocks) meat += sum * sum.transpose();
   const auto count = static_cast<float>(blocks.size());
   const float for_unknowns = count / std::max(1.0f, count - kPoseUnknowns);
-  const PoseMatrix inverse = bread.ldlt().solve(PoseMatrix::Identity());
+  const PoseMatrix inverse = positiveInverse(bread);
   const PoseMatrix scaled = for_unknowns * inverse * meat * inverse.transpose() + inverse;
   return kCommonErrors * units.asDiagonal() * scaled * units.asDiagonal();
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // voxid.launch without a camera in processes of its own, and its consumers: over ROS, and over a real LCM socket.
+#include <geometry_msgs/PoseStamped.h>
 #include <gtest/gtest.h>
 #include <ros/master.h>
 #include <ros/ros.h>
@@ -100,6 +101,16 @@ std::vector<std::uint8_t> encoded(const object_list_t& list) {
   return bytes;
 }
 
+/// Where a gripper begins, and whether it looks down with its fingers closing along the box's shorter side.
+void expectAboveTheBox(const Eigen::Vector3d& position, const Eigen::Quaterniond& axes) {
+  const TableScene scene;
+  const Eigen::Vector3d top(0, 0, scene.boxes[0].size_m.z() / 2 + 0.1);
+  EXPECT_LT((position - scene.inCamera(scene.boxes[0].centre_m + top)).norm(), 0.02);
+  const Eigen::Matrix3d in_table = scene.tableFromCamera().linear() * axes.toRotationMatrix();
+  EXPECT_LT(in_table(2, 2), -0.999);
+  EXPECT_GT(std::abs(in_table(1, 1)), 0.98);  // the box is 0.10 m along x and 0.08 m along y
+}
+
 const std::string kPythonPlanner = VOXID_SOURCE "/lcm/examples/planner_inbox.py --types " VOXID_LCM_PYTHON;
 
 class Bridge : public testing::Test {
@@ -142,9 +153,29 @@ TEST_F(Bridge, LcmCarriesWhatRosCarries) {
   EXPECT_EQ(list->objects[box_first ? 1 : 0].label, "ball");
 }
 
+/// 10 cm above the box's top, looking down.
+void expectApproachAboveTheBox(const std::string& output) {
+  const std::size_t at = output.find("approach_m=");
+  ASSERT_NE(at, std::string::npos) << output;
+  Eigen::Vector3d position;
+  Eigen::Quaterniond axes;
+  ASSERT_EQ(std::sscanf(output.c_str() + at, "approach_m=%lf,%lf,%lf quat_wxyz=%lf,%lf,%lf,%lf", &position.x(),
+                        &position.y(), &position.z(), &axes.w(), &axes.x(), &axes.y(), &axes.z()),
+            7);
+  expectAboveTheBox(position, axes);
+}
+
+TEST_F(Bridge, NothingIsGraspedThatIsWiderThanTheGripper) {
+  const Camera10Hz camera("/voxid");
+  const Ended planner =
+      run(VOXID_BIN "/voxid_planner_inbox --url '" + url_ + "' --seconds 20 --count 5 --opening 0.03");
+  EXPECT_EQ(planner.exit_code, 0);
+  EXPECT_EQ(planner.output.find("grasp"), std::string::npos) << planner.output;
+}
+
 TEST_F(Bridge, PlannersInBothLanguagesReadIt) {
   const Camera10Hz camera("/voxid");
-  const std::string options = " --url '" + url_ + "' --seconds 20 --count 30 --label box";
+  const std::string options = " --url '" + url_ + "' --seconds 20 --count 30 --label box --opening 0.1";
   auto cpp = std::async(std::launch::async, [&] { return run(VOXID_BIN "/voxid_planner_inbox" + options); });
   const Ended python = run(kPythonPlanner + options);
   for (const Ended& planner : {cpp.get(), python}) {
@@ -152,6 +183,7 @@ TEST_F(Bridge, PlannersInBothLanguagesReadIt) {
     EXPECT_NE(planner.output.find("label=box score="), std::string::npos) << planner.output;
     EXPECT_NE(planner.output.find("model=ball-3 view=1 position_m="), std::string::npos) << planner.output;
     EXPECT_NE(planner.output.find(" label=box distance_m=0.8"), std::string::npos) << planner.output;
+    expectApproachAboveTheBox(planner.output);
     EXPECT_NE(planner.output.find("received=30\n"), std::string::npos) << planner.output;
   }
 }
@@ -163,13 +195,17 @@ TEST_F(Bridge, PlannersFailWhenNothingComes) {
   EXPECT_EQ(run(VOXID_BIN "/voxid_planner_inbox --nonsense 1 2>/dev/null").exit_code, 2);
 }
 
-/// A plain node in the namespace /nodes.
-pid_t startNode(const std::string& name) {
+/// A plain node with two arguments.
+pid_t startNode(const std::string& name, const char* first, const char* second) {
   const pid_t pid = fork();
   if (pid != 0) return pid;
   const std::string program = VOXID_NODES "/voxid_" + name;
-  execl(program.c_str(), program.c_str(), "__ns:=/nodes", "_url:=udpm://239.255.76.67:7743?ttl=0", nullptr);
+  execl(program.c_str(), program.c_str(), first, second, "_label:=box", nullptr);
   _exit(127);
+}
+
+pid_t startNode(const std::string& name) {
+  return startNode(name, "__ns:=/nodes", "_url:=udpm://239.255.76.67:7743?ttl=0");
 }
 
 int exitStatusAfterSigint(pid_t pid) {
@@ -181,6 +217,20 @@ int exitStatusAfterSigint(pid_t pid) {
     waitpid(pid, &status, 0);
   }
   return ended && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST(PlannerNode, SaysWhereTheGripperIsToGo) {
+  ros::NodeHandle node("/voxid");
+  Listener<geometry_msgs::PoseStamped> approaches(node, "approach");
+  const pid_t planner = startNode("planner_node", "__ns:=/voxid", "_opening:=0.1");
+  const Camera10Hz camera("/voxid");
+  geometry_msgs::PoseStampedConstPtr approach;
+  EXPECT_TRUE(
+      eventually(20, [&] { return (approach = approaches.find([](const ros::Time&) { return true; })) != nullptr; }));
+  EXPECT_EQ(exitStatusAfterSigint(planner), 0);
+  ASSERT_TRUE(approach);
+  EXPECT_EQ(approach->header.frame_id, "camera");
+  expectAboveTheBox(eigenOf(approach->pose.position), eigenOf(approach->pose.orientation));
 }
 
 TEST(PlainNodes, WorkTogetherAndEndCleanlyOnSigint) {

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pose_finder.h"
+
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "cloud_patch.h"
+#include "conversions.h"
+#include "model_pose.h"
+
+namespace voxid {
+namespace {
+
+constexpr int kNice = 10;
+constexpr double kWaiting_s = 0.02, kIdle_s = 0.2;  // between looks for a new frame; services wake the thread
+
+void giveWay() { setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kNice); }
+
+SupportPlane supportOf(const TablePlane& table) {
+  return {eigenOf(table.normal).cast<float>(), table.distance_m * 1e3f};
+}
+
+ModelPose stateOnly(std::uint8_t status) {
+  ModelPose pose;
+  pose.status = status;
+  return pose;
+}
+
+/// Mean of the points, metres.
+Eigen::Vector3d centroidOf(const DepthView& depth, Span<const std::uint32_t> pixels) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const std::uint32_t pixel : pixels) {
+    const auto width = static_cast<std::uint32_t>(depth.width_px);
+    const int u = static_cast<int>(pixel % width), v = static_cast<int>(pixel / width);
+    const PointUm p = backProject(depth.camera, u, v, depth.depthUm(u, v));
+    sum += Eigen::Vector3d(p.x, p.y, p.z);
+  }
+  return sum * 1e-6 / static_cast<double>(std::max<std::size_t>(1, pixels.size));
+}
+
+}  // namespace
+
+PoseFinder::~PoseFinder() {
+  stop_ = true;
+  align_.shutdown();
+  classify_.shutdown();
+  queue_.disable();
+  if (thread_.joinable()) thread_.join();
+}
+
+void PoseFinder::start(ros::NodeHandle node, const ros::NodeHandle& private_node,
+                       std::function<ClassifyParams()> params) {
+  params_ = std::move(params);
+  models_ = private_node.param<std::string>("models", "");
+  percent_ = std::clamp(private_node.param("align_percent", 50), 1, 100);
+  std::string trouble;
+  mode_ = modeOf(private_node.param<std::string>("align", "off"), &trouble);
+  if (mode_ != Mode::Off && !private_node.param("memory", true)) {
+    mode_ = Mode::Off;
+    trouble = "~align needs ~memory, as a pose is that of an object that keeps its number: poses stay unknown";
+  }
+  setTrouble(trouble);
+  node.setCallbackQueue(&queue_);
+  align_ = node.advertiseService("align_object", &PoseFinder::onAlign, this);
+  classify_ = node.advertiseService("classify_cloud", &PoseFinder::onClassify, this);
+  thread_ = std::thread([this] { run(); });
+}
+
+PoseFinder::Mode PoseFinder::modeOf(const std::string& name, std::string* trouble) {
+  if (name == "selected") return Mode::Selected;
+  if (name == "all") return Mode::All;
+  if (name != "off") *trouble = "~align is '" + name + "', expected off, selected or all: poses stay unknown";
+  return Mode::Off;
+}
+
+void PoseFinder::setIndex(const std::shared_ptr<const Index>& index) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  index_ = index;
+  ++indices_;
+  frame_ = {};
+  board_.clear();
+}
+
+void PoseFinder::show(Objects* objects) {
+  if (mode_ == Mode::Off) return;
+  board_.show(mode_ == Mode::All ? ModelPose::WAITING : ModelPose::NOT_SELECTED, objects);
+}
+
+void PoseFinder::offer(AnsweredFrame frame) {
+  if (mode_ == Mode::Off) return;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::swap(frame_, frame);  // the one before is let go outside
+}
+
+std::string PoseFinder::trouble() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return trouble_;
+}
+
+void PoseFinder::setTrouble(const std::string& sentence) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  trouble_ = sentence;
+}
+
+AnsweredFrame PoseFinder::frame() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return frame_;
+}
+
+void PoseFinder::run() {
+  giveWay();
+  while (!stop_) {
+    const bool busy = mode_ == Mode::All && alignNext();
+    queue_.callAvailable(ros::WallDuration(busy ? 0 : mode_ == Mode::All ? kWaiting_s : kIdle_s));
+  }
+}
+
+/// False if there was nothing to do, or no time left for it.
+bool PoseFinder::alignNext() {
+  if (ros::SteadyTime::now() < resting_until_) return false;
+  const AnsweredFrame newest = frame();
+  if (!newest.objects) return false;
+  const auto object = board_.next(*newest.objects);
+  if (!object) return false;
+  const ros::SteadyTime began = ros::SteadyTime::now();
+  alignAndKeep(newest, *object);
+  const ros::SteadyTime ended = ros::SteadyTime::now();
+  resting_until_ = ended + (ended - began) * (100.0 / percent_ - 1);
+  return true;
+}
+
+/// While it is aligned, numbers may begin anew.
+PoseFinder::Found PoseFinder::alignAndKeep(const AnsweredFrame& frame, std::size_t object) {
+  const auto indices = [this] {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return indices_;
+  };
+  const std::uint64_t before = indices();
+  const Found found = align(frame, object);
+  if (indices() == before)
+    board_.put(frame.objects->objects[object], frame.image->header.stamp, found.pose, found.misfit);
+  return found;
+}
+
+PoseFinder::Tools* PoseFinder::tools() {
+  std::shared_ptr<const Index> index;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    index = index_;
+  }
+  if (!index) tools_.reset();
+  if (index && (!tools_ || tools_->index != index)) tools_ = std::make_unique<Tools>(index, models_);
+  return tools_.get();
+}
+
+PoseFinder::Found PoseFinder::align(const AnsweredFrame& frame, std::size_t object) {
+  const Result<DepthView> depth = viewOf(*frame.image, *frame.info);
+  if (!depth.ok() || object >= frame.segments->segments.size()) return {stateOnly(ModelPose::NOT_FOUND), 1};
+  const std::vector<std::uint32_t>& pixels = frame.segments->segments[object].pixels;
+  ObservedObject observed;
+  observed.depth = depth.value;
+  observed.pixels = {pixels.data(), pixels.size()};
+  observed.support = supportOf(frame.segments->table);
+  Found found = align(observed, params_());
+  if (found.pose.status == ModelPose::ALIGNED) found.pose.stamp = frame.image->header.stamp;
+  transform(frame.target_from_camera, &found.pose);
+  return found;
+}
+
+PoseFinder::Found PoseFinder::align(const ObservedObject& object, const ClassifyParams& params) {
+  Tools* const tools = this->tools();
+  const Nearest* const nearest = tools ? tools->recogniser.nearest(object.depth, object.pixels, params) : nullptr;
+  if (!nearest) return {stateOnly(ModelPose::NOT_FOUND), 1};
+  const auto ranked = tools->aligner.rank(object, *nearest);
+  setTrouble(ranked.status.sentence);
+  if (!ranked.ok()) return {stateOnly(ModelPose::NO_SURFACE), 1};
+  const auto best = std::find_if(ranked.value.begin(), ranked.value.end(),
+                                 [](const RankedModel& model) { return model.alignment.found; });
+  if (best == ranked.value.end()) return {stateOnly(ModelPose::NOT_FOUND), 1};
+  const Index& index = *tools->index;
+  const auto model = tools->aligner.shelf().find(fullNameOf(index, best->model));
+  if (!model.ok()) return {stateOnly(ModelPose::NO_SURFACE), 1};
+  Found found{modelPoseOf(best->alignment, model.value->model.surface(), model.value->symmetry),
+              best->alignment.misfit};
+  found.pose.label = std::string(index.categoryName(index.models()[best->model].category));
+  found.pose.model = std::string(index.modelName(best->model));
+  return found;
+}
+
+bool PoseFinder::onAlign(AlignObject::Request& request, AlignObject::Response& response) {
+  const AnsweredFrame newest = frame();
+  response.model_pose.status = ModelPose::OFF;
+  if (mode_ == Mode::Off) {
+    response.message = trouble().empty() ? "~align is off: set it to selected or all" : trouble();
+    return true;
+  }
+  if (!newest.objects) {
+    response.message = "no frame has been answered yet: frames are, while somebody listens to objects";
+    return true;
+  }
+  response.header = newest.objects->header;
+  const auto& objects = newest.objects->objects;
+  const auto wanted = std::find_if(objects.begin(), objects.end(), [&](const Object& object) {
+    return object.number == request.number && object.number != 0;
+  });
+  if (wanted == objects.end()) {
+    response.message = "the newest frame shows no object with number " + std::to_string(request.number);
+    return true;
+  }
+  const Found found = alignAndKeep(newest, static_cast<std::size_t>(wanted - objects.begin()));
+  response.model_pose = found.pose;
+  response.success = found.pose.status == ModelPose::ALIGNED;
+  if (found.pose.status == ModelPose::NO_SURFACE) response.message = trouble();
+  if (found.pose.status == ModelPose::NOT_FOUND) response.message = "too few points to align a model with";
+  return true;
+}
+
+bool PoseFinder::onClassify(ClassifyCloud::Request& request, ClassifyCloud::Response& response) {
+  Tools* const tools = this->tools();
+  if (!tools) {
+    response.message = "no index is loaded to compare with";
+    return true;
+  }
+  const Result<CloudPatch> patch = CloudPatch::of(request.cloud);
+  response.message = patch.status.sentence;
+  if (!patch.ok()) return true;
+  ObservedObject observed;
+  observed.depth = patch.value.view();
+  observed.pixels = patch.value.pixels();
+  const ClassifyParams params = params_();
+  fillAnswer(tools->recogniser.recognise(observed.depth, observed.pixels, params), *tools->index, &response.object);
+  response.object.points = static_cast<std::uint32_t>(observed.pixels.size);
+  response.object.centroid = pointOf(centroidOf(observed.depth, observed.pixels));
+  response.success = !response.object.alternatives.empty();
+  if (!response.success) response.message = "the points have no extent";
+  if (!request.align) return true;
+  response.object.model_pose = align(observed, params).pose;
+  if (response.object.model_pose.status == ModelPose::NO_SURFACE) response.message = trouble();
+  return true;
+}
+
+}  // namespace voxid

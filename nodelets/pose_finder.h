@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Image.h>
+#include <voxid/AlignObject.h>
+#include <voxid/ClassifyCloud.h>
+#include <voxid/Segments.h>
+
+#include <Eigen/Geometry>
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "pose_board.h"
+#include "recogniser.h"
+#include "voxid/library/model_aligner.h"
+
+namespace voxid {
+
+/// A frame that was answered.
+struct AnsweredFrame {
+  sensor_msgs::ImageConstPtr image;
+  sensor_msgs::CameraInfoConstPtr info;
+  SegmentsConstPtr segments;
+  ObjectsConstPtr objects;  ///< in the order of the segments
+  Eigen::Isometry3d target_from_camera = Eigen::Isometry3d::Identity();
+};
+
+/// Aligns CAD models with objects, and answers align_object and classify_cloud, in a thread of its own that gives way
+/// to the frames' (nice 10). Parameters: ~align (off, selected, all), ~models (the folder that the index was made
+/// from), ~align_percent (share of a core that `all` may take).
+class PoseFinder {
+ public:
+  ~PoseFinder();
+
+  /// `params`: how clouds are to be classified; called from the thread.
+  void start(ros::NodeHandle node, const ros::NodeHandle& private_node, std::function<ClassifyParams()> params);
+
+  /// Poses that were found in an index before are forgotten.
+  void setIndex(const std::shared_ptr<const Index>& index);
+  /// Fills the objects' model_pose. Never waits for an alignment; nor does any other call of the frame's thread.
+  void show(Objects* objects);
+  /// The newest frame, for the thread to work on.
+  void offer(AnsweredFrame frame);
+
+  std::string trouble() const;  ///< why poses stay unknown; empty if nothing stands in the way
+
+ private:
+  enum class Mode { Off, Selected, All };
+  /// Of one index; the thread's own.
+  struct Tools {
+    explicit Tools(const std::shared_ptr<const Index>& of, const std::string& models)
+        : index(of), recogniser(of), aligner(of, models) {}
+    std::shared_ptr<const Index> index;
+    Recogniser recogniser;
+    ModelAligner aligner;
+  };
+  struct Found {
+    ModelPose pose;
+    float misfit = 1;
+  };
+
+  static Mode modeOf(const std::string& name, std::string* trouble);
+  void run();
+  bool alignNext();
+  Tools* tools();
+  AnsweredFrame frame() const;
+  Found alignAndKeep(const AnsweredFrame& frame, std::size_t object);
+  Found align(const AnsweredFrame& frame, std::size_t object);
+  Found align(const ObservedObject& object, const ClassifyParams& params);
+  bool onAlign(AlignObject::Request& request, AlignObject::Response& response);
+  bool onClassify(ClassifyCloud::Request& request, ClassifyCloud::Response& response);
+  void setTrouble(const std::string& sentence);
+
+  Mode mode_ = Mode::Off;
+  std::string models_;
+  int percent_ = 50;
+  std::function<ClassifyParams()> params_;
+  PoseBoard board_;
+  std::unique_ptr<Tools> tools_;
+  ros::SteadyTime resting_until_;
+
+  mutable std::mutex mutex_;  // held for copies only
+  std::shared_ptr<const Index> index_;
+  std::uint64_t indices_ = 0;  // so many so far
+  AnsweredFrame frame_;
+  std::string trouble_;
+
+  ros::CallbackQueue queue_;
+  ros::ServiceServer align_, classify_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace voxid

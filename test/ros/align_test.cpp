@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Poses of models in the live chain, and its services, against a scene whose poses are known.
+#include <gtest/gtest.h>
+#include <ros/ros.h>
+#include <sensor_msgs/point_cloud2_iterator.h>
+#include <voxid/AlignObject.h>
+#include <voxid/ClassifyCloud.h>
+
+#include <set>
+
+#include "chain_fixture.h"
+#include "clouds.h"
+#include "geometry/solids.h"
+#include "library/ply.h"
+#include "scene_index.h"
+
+namespace voxid {
+namespace {
+
+using test::eventually;
+using test::Listener;
+using test::TableScene;
+
+Mesh boxMesh(const Eigen::Vector3d& size) {
+  return test::box(static_cast<float>(size.x()), static_cast<float>(size.y()), static_cast<float>(size.z()));
+}
+
+/// Rings of corners round the z axis.
+Mesh ballMesh(float radius) {
+  constexpr int kRings = 16, kCorners = 32;
+  Mesh mesh;
+  for (int ring = 0; ring <= kRings; ++ring) {
+    for (int corner = 0; corner < kCorners; ++corner) {
+      const double polar = M_PI * ring / kRings, turn = 2 * M_PI * corner / kCorners;
+      const Eigen::Vector3d p =
+          radius * Eigen::Vector3d(std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar));
+      mesh.vertices.push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())});
+    }
+  }
+  for (std::uint32_t ring = 0; ring < kRings; ++ring) {
+    for (std::uint32_t corner = 0; corner < kCorners; ++corner) {
+      const std::uint32_t a = ring * kCorners + corner, b = ring * kCorners + (corner + 1) % kCorners;
+      mesh.triangles.push_back({a, b, a + kCorners});
+      mesh.triangles.push_back({b, b + kCorners, a + kCorners});
+    }
+  }
+  return mesh;
+}
+
+/// The chain, with the surfaces of what TableScene shows.
+class Aligned : public test::Chain {
+ protected:
+  Aligned() : models_(index_path_.string() + "-models") {
+    test::writeSceneIndex(index_path_);
+    test::writePly(boxMesh(TableScene().boxes[0].size_m), models_ / "box" / "box-7.ply");
+    test::writePly(ballMesh(static_cast<float>(TableScene().balls[0].radius_m)), models_ / "ball" / "ball-3.ply");
+    node_.setParam("classification/models", models_.string());
+  }
+  ~Aligned() override { std::filesystem::remove_all(models_); }
+
+  void startWith(const std::string& align) {
+    node_.setParam("classification/align", align);
+    start();
+  }
+
+  /// Shows the scene until a message has what is wanted.
+  template <typename Wanted>
+  ObjectsConstPtr showUntil(const TableScene& scene, Wanted wanted) {
+    Listener<Objects> listener(node_, "objects");
+    ObjectsConstPtr objects;
+    const bool found = eventually(20, [&] {
+      objects = listener.wait(show(scene.depth_mm()), 0.5);
+      return objects && wanted(*objects);
+    });
+    return found ? objects : ObjectsConstPtr();
+  }
+
+  AlignObject::Response align(std::uint32_t number) {
+    AlignObject call;
+    call.request.number = number;
+    EXPECT_TRUE(ros::service::call(name_ + "/align_object", call));
+    return call.response;
+  }
+
+  const std::filesystem::path models_;
+};
+
+const Object* labelled(const Objects& objects, const std::string& label) {
+  for (const Object& object : objects.objects)
+    if (object.label == label) return &object;
+  return nullptr;
+}
+
+bool isAligned(const Objects& objects, const std::string& label) {
+  const Object* const object = labelled(objects, label);
+  return object && object->model_pose.status == ModelPose::ALIGNED;
+}
+
+bool hasState(const Objects& objects, std::uint8_t status) {
+  const Object* const box = labelled(objects, "box");
+  return box && box->model_pose.status == status;
+}
+
+/// Half-turns of the box look alike.
+void expectTheBox(const ModelPose& pose, const TableScene& scene) {
+  ASSERT_EQ(pose.status, ModelPose::ALIGNED + 0);
+  EXPECT_EQ(pose.label, "box");
+  EXPECT_EQ(pose.model, "box-7");
+  EXPECT_LT((eigenOf(pose.pose.pose.position) - scene.inCamera(scene.boxes[0].centre_m)).norm(), 0.004);
+  EXPECT_NEAR(pose.scale_m, scene.boxes[0].size_m.norm(), 0.005);
+  EXPECT_NEAR(pose.extents_m.z, scene.boxes[0].size_m.z(), 0.005);
+  const Eigen::Matrix3d off = scene.tableFromCamera().linear() * eigenOf(pose.pose.pose.orientation).toRotationMatrix();
+  for (int i = 0; i < 3; ++i) EXPECT_GT(std::abs(off(i, i)), std::cos(4 * M_PI / 180));
+  EXPECT_LT(pose.fit_mm, 3);
+  EXPECT_GT(pose.explained, 0.85);
+  EXPECT_TRUE(pose.rotation_known);
+  for (const int symmetric : {0, 1, 2}) EXPECT_EQ(pose.symmetry[symmetric], 2);
+}
+
+void expectSmallCovariance(const ModelPose& pose) {
+  for (const int diagonal : {0, 7, 14, 21, 28, 35}) {
+    EXPECT_GT(pose.pose.covariance[diagonal], 0);
+    EXPECT_LT(pose.pose.covariance[diagonal], diagonal < 21 ? 1e-4 : 1e-2);  // 1 cm, 6 degrees
+  }
+  EXPECT_GT(pose.scale_deviation_m, 0);
+  EXPECT_LT(pose.scale_deviation_m, 0.01);
+}
+
+TEST_F(Aligned, AllObjectsGetTheirPosesWhileNoFrameIsLost) {
+  startWith("all");
+  const TableScene scene;
+  ASSERT_TRUE(objectsFor(scene.depth_mm()));  // the chain is connected
+  Listener<Objects> listener(node_, "objects");
+  ASSERT_TRUE(showUntil(scene, [](const Objects&) { return true; }));
+  std::set<ros::Time> shown;
+  ObjectsConstPtr last;
+  const std::vector<std::uint16_t> depth_mm = scene.depth_mm();
+  for (int frame = 0; frame < 40; ++frame) {
+    shown.insert(show(depth_mm));
+    ros::WallDuration(0.1).sleep();
+  }
+  for (const ros::Time& stamp : shown) {
+    const ObjectsConstPtr objects = listener.wait(stamp, 5);
+    ASSERT_TRUE(objects) << "a frame is lost";
+    last = objects;
+  }
+  ASSERT_TRUE(isAligned(*last, "box"));
+  ASSERT_TRUE(isAligned(*last, "ball"));
+  expectTheBox(labelled(*last, "box")->model_pose, scene);
+  expectSmallCovariance(labelled(*last, "box")->model_pose);
+  EXPECT_LT(labelled(*last, "box")->model_pose.stamp, last->header.stamp);
+  const ModelPose& ball = labelled(*last, "ball")->model_pose;
+  EXPECT_LT((eigenOf(ball.pose.pose.position) - scene.inCamera(scene.balls[0].centre_m)).norm(), 0.005);
+  EXPECT_NEAR(ball.extents_m.x, 0.12, 0.006);
+  EXPECT_FALSE(ball.rotation_known);
+  EXPECT_NEAR(eigenOf(ball.free_axis).norm(), 1, 1e-3);
+}
+
+TEST_F(Aligned, AnObjectIsAlignedWhenItIsAskedForAndUntilItMoves) {
+  startWith("selected");
+  TableScene scene;
+  const ObjectsConstPtr before =
+      showUntil(scene, [](const Objects& o) { return hasState(o, ModelPose::NOT_SELECTED); });
+  ASSERT_TRUE(before);
+  const AlignObject::Response answer = align(labelled(*before, "box")->number);
+  ASSERT_TRUE(answer.success) << answer.message;
+  EXPECT_EQ(answer.header.frame_id, "camera");
+  expectTheBox(answer.model_pose, scene);
+
+  const ObjectsConstPtr after = showUntil(scene, [](const Objects& o) { return isAligned(o, "box"); });
+  ASSERT_TRUE(after);
+  EXPECT_EQ(labelled(*after, "box")->model_pose, answer.model_pose);
+  EXPECT_EQ(labelled(*after, "ball")->model_pose.status, ModelPose::NOT_SELECTED + 0);
+
+  scene.boxes[0].centre_m.x() -= 0.03;
+  EXPECT_TRUE(showUntil(scene, [](const Objects& o) { return hasState(o, ModelPose::NOT_SELECTED); }));
+}
+
+TEST_F(Aligned, TheAnswerSaysWhyThereIsNoPose) {
+  startWith("selected");
+  EXPECT_TRUE(eventually(10, [&] { return ros::service::exists(name_ + "/align_object", false); }));
+  EXPECT_EQ(align(1).message, "no frame has been answered yet: frames are, while somebody listens to objects");
+  ASSERT_TRUE(objectsFor(TableScene().depth_mm()));
+  EXPECT_EQ(align(77).message, "the newest frame shows no object with number 77");
+  EXPECT_FALSE(align(77).success);
+}
+
+TEST_F(Aligned, WithoutSurfacesThePoseIsUnknownAndSaysWhy) {
+  node_.setParam("classification/models", models_.string() + "-elsewhere");
+  startWith("all");
+  ASSERT_TRUE(showUntil(TableScene(), [](const Objects& o) { return hasState(o, ModelPose::NO_SURFACE); }));
+  const AlignObject::Response answer = align(1);
+  EXPECT_FALSE(answer.success);
+  EXPECT_EQ(answer.model_pose.status, ModelPose::NO_SURFACE + 0);
+  EXPECT_NE(answer.message.find("no mesh of this name"), std::string::npos) << answer.message;
+}
+
+TEST_F(Aligned, OffIsTheDefaultAndAWrongWordIsSaid) {
+  start();
+  const ObjectsConstPtr objects = objectsFor(TableScene().depth_mm());
+  ASSERT_TRUE(objects);
+  EXPECT_TRUE(hasState(*objects, ModelPose::OFF));
+  EXPECT_EQ(align(1).message, "~align is off: set it to selected or all");
+  loader_.clear();
+  startWith("sometimes");
+  EXPECT_TRUE(eventually(10, [&] { return ros::service::exists(name_ + "/align_object", false); }));
+  EXPECT_EQ(align(1).message, "~align is 'sometimes', expected off, selected or all: poses stay unknown");
+}
+
+/// The scene's points between two columns; NaN elsewhere.
+sensor_msgs::PointCloud2 cloudBetween(int first, int last) {
+  std::vector<std::uint16_t> depth_mm = TableScene().depth_mm();
+  TableScene bare;
+  bare.boxes.clear();
+  bare.balls.clear();
+  const std::vector<std::uint16_t> table_mm = bare.depth_mm();
+  for (std::size_t i = 0; i < depth_mm.size(); ++i) {
+    const int u = static_cast<int>(i % TableScene::kWidth);
+    if (depth_mm[i] == table_mm[i] || u < first || u > last) depth_mm[i] = 0;
+  }
+  return *test::organisedCloud(depth_mm, ros::Time(9));
+}
+
+/// Only the points, in one row.
+sensor_msgs::PointCloud2 unorganised(const sensor_msgs::PointCloud2& organised) {
+  sensor_msgs::PointCloud2 cloud = organised;
+  cloud.height = 1;
+  cloud.data.clear();
+  for (std::size_t at = 0; at < organised.data.size(); at += organised.point_step) {
+    float x;
+    std::memcpy(&x, &organised.data[at], sizeof x);
+    if (std::isfinite(x))
+      cloud.data.insert(cloud.data.end(), organised.data.begin() + at,
+                        organised.data.begin() + at + organised.point_step);
+  }
+  cloud.width = cloud.data.size() / cloud.point_step;
+  cloud.row_step = cloud.data.size();
+  return cloud;
+}
+
+TEST_F(Aligned, ACloudOfOneThingIsNamedAndAligned) {
+  start();  // even with ~align off
+  const TableScene scene;
+  for (const auto& cloud : {cloudBetween(0, 159), unorganised(cloudBetween(0, 159))}) {
+    ClassifyCloud call;
+    call.request.cloud = cloud;
+    call.request.align = true;
+    ASSERT_TRUE(eventually(10, [&] { return ros::service::call(name_ + "/classify_cloud", call); }));
+    ASSERT_TRUE(call.response.success) << call.response.message;
+    const Object& object = call.response.object;
+    EXPECT_EQ(object.label, "box");
+    EXPECT_EQ(object.model, "box-7");
+    EXPECT_EQ(object.alternatives.size(), 2u);
+    EXPECT_GT(object.score, 0.4);
+    EXPECT_LT((eigenOf(object.centroid) - scene.inCamera(scene.boxes[0].centre_m)).norm(), 0.06);
+    expectTheBox(object.model_pose, scene);
+    for (const int diagonal : {0, 7, 14, 21, 28, 35}) EXPECT_GT(object.model_pose.pose.covariance[diagonal], 0);
+  }
+}
+
+TEST_F(Aligned, ACloudIsNamedWithoutAPoseOrRefusedWithTheReason) {
+  start();
+  ClassifyCloud call;
+  call.request.cloud = cloudBetween(160, 319);
+  ASSERT_TRUE(eventually(10, [&] { return ros::service::call(name_ + "/classify_cloud", call); }));
+  EXPECT_EQ(call.response.object.label, "ball");
+  EXPECT_EQ(call.response.object.model_pose.status, ModelPose::OFF + 0);
+
+  call.request.cloud = sensor_msgs::PointCloud2();
+  ASSERT_TRUE(ros::service::call(name_ + "/classify_cloud", call));
+  EXPECT_FALSE(call.response.success);
+  EXPECT_EQ(call.response.message, "the cloud has no field 'x' of float32: remap points to another");
+  call.request.cloud = cloudBetween(0, -1);
+  ASSERT_TRUE(ros::service::call(name_ + "/classify_cloud", call));
+  EXPECT_NE(call.response.message.find("the cloud has 0 finite points"), std::string::npos) << call.response.message;
+}
+
+}  // namespace
+}  // namespace voxid
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "align_test");
+  return voxid::test::runAll();
+}
