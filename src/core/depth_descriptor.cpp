@@ -10,6 +10,7 @@
 #include "even_choice.h"
 #include "normaliser.h"
 #include "pair_sampler.h"
+#include "point_rows.h"
 #include "vectorised.h"
 
 namespace voxid {
@@ -193,7 +194,7 @@ struct DepthDescriber::Workspace {
   RootTable roots;
   DepthPatch patch;
   std::array<Pixel, kMaxPoints> pixels;
-  std::array<PointUm, kMaxPoints> points;
+  PointRows points;
   std::array<std::uint32_t, kDepthBins> counts;
 
   DescribeStatus draw(const DepthView& depth, Span<const std::uint32_t> chosen);
@@ -213,18 +214,20 @@ struct DepthDescriber::Workspace {
 
 DescribeStatus DepthDescriber::Workspace::draw(const DepthView& depth, Span<const std::uint32_t> chosen) {
   if (depth.empty() || !depth.camera.valid()) return DescribeStatus::Empty;
-  std::size_t kept = 0;
+  points.size = 0;
+  const BackProjector camera(depth.camera);
   forEachPixel(depth, chosen, [&](const Pixel& pixel) {
-    pixels[kept] = pixel;
-    points[kept++] = backProject(depth.camera, pixel.u, pixel.v, pixel.z_um);
+    pixels[points.size] = pixel;
+    points.add(camera.point(pixel.u, pixel.v, pixel.z_um));
   });
-  if (kept == 0) return DescribeStatus::Empty;
-  const Box box = boxOf({points.data(), kept});
+  if (points.size == 0) return DescribeStatus::Empty;
+  const Box box = boxOf(points);
   if (isOnePoint(box)) return DescribeStatus::Degenerate;
   const Frame frame(box);
-  const Normaliser normaliser = normaliserOf({points.data(), kept}, frame);
+  frame.enter(points);
+  const Normaliser normaliser = normaliserOf(points);
   const std::int64_t d_um = std::max<std::int64_t>(frame.lengthUm(static_cast<std::int64_t>(normaliser.d)), 1);
-  patch.draw(depth.camera, {pixels.data(), kept}, frame.pointUm(normaliser.centroid), d_um);
+  patch.draw(depth.camera, {pixels.data(), points.size}, frame.pointUm(normaliser.centroid), d_um);
   return patch.cells().size < 2 ? DescribeStatus::Degenerate : DescribeStatus::Ok;
 }
 

@@ -93,9 +93,13 @@ void DepthPatch::splat(const Camera& camera, Span<const Pixel> pixels, Vector ce
   const Axis columns(camera.fx_q16, camera.cx_q16, centroid_um.x, z0_um, d_um);
   const Axis rows(camera.fy_q16, camera.cy_q16, centroid_um.y, z0_um, d_um);
   const ProjectiveDepth depth(z0_um, scale_);
+  const Pixel* before = nullptr;
+  Axis::Range down{};
   for (const Pixel& pixel : pixels) {
     const std::int32_t w = depth.of(pixel.z_um);
-    const Axis::Range across = columns.cellsUnder(pixel.u), down = rows.cellsUnder(pixel.v);
+    const Axis::Range across = columns.cellsUnder(pixel.u);
+    if (before == nullptr || pixel.v != before->v) down = rows.cellsUnder(pixel.v);  // neighbours mostly share a row
+    before = &pixel;
     for (int row = down.first; row <= down.last; ++row) {
       for (int column = across.first; column <= across.last; ++column) {
         sum_[row * kSide + column] += w;

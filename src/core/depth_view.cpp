@@ -2,34 +2,23 @@
 #include "voxid/core/depth_view.h"
 
 #include <cmath>
-#include <limits>
+
+#include "lateral.h"
 
 namespace voxid {
 namespace {
 
 constexpr double kQ16 = 65536.0;
 constexpr double kMaxDepthUm = 65535000.0;
-constexpr int kMaxPixel = 32767;
 
 bool isFocal(double px) { return px * kQ16 >= 0.5 && px < kMaxPixel; }
 bool isCentre(double px) { return px > -kMaxPixel - 1 && px < kMaxPixel; }
 std::int32_t toQ16(double px) { return static_cast<std::int32_t>(std::lround(px * kQ16)); }
 
-std::int64_t clampTo(std::int64_t value, std::int64_t least, std::int64_t most) {
-  return value < least ? least : value > most ? most : value;
-}
-
-std::int32_t saturate(std::int64_t value) {
-  using Limits = std::numeric_limits<std::int32_t>;
-  return static_cast<std::int32_t>(clampTo(value, Limits::min(), Limits::max()));
-}
-
-// |pixel| <= 32,767 and |z| <= 2^31 keep the product below (2^32 - 2^16) 2^31 < 2^63.
-std::int32_t lateralUm(std::int64_t pixel, std::int32_t centre_q16, std::int32_t focal_q16, std::int32_t z_um) {
-  const std::int64_t offset_q16 = clampTo(pixel, -kMaxPixel, kMaxPixel) * 65536 - centre_q16;
-  const std::int64_t product = offset_q16 * z_um;
+std::int32_t lateralUm(int pixel, std::int32_t centre_q16, std::int32_t focal_q16, std::int32_t z_um) {
+  const std::int64_t product = lateralProduct(pixel, centre_q16, z_um);
   const std::int64_t half = focal_q16 / 2;
-  return saturate((product < 0 ? product - half : product + half) / focal_q16);
+  return saturatedUm((product < 0 ? product - half : product + half) / focal_q16);
 }
 
 }  // namespace

@@ -9,6 +9,8 @@
 #include "line_walker.h"
 #include "normaliser.h"
 #include "pair_sampler.h"
+#include "point_rows.h"
+#include "vectorised.h"
 #include "voxid/core/trace.h"
 
 namespace voxid {
@@ -21,30 +23,25 @@ constexpr int kKinds = 3;
 
 // Distances in units of the normaliser, D / 4096. Coordinates are clamped at 4 D from the centroid, where at most one
 // point in 185 can lie.
-class DistanceScale {
- public:
-  static constexpr std::int64_t kUnits = 4096;
-  static constexpr std::int64_t kClamp = 4 * kUnits;
+constexpr std::int64_t kUnits = 4096;
+constexpr int kUnitShift = 32;
+constexpr std::int64_t kUnitClamp = 4 * kUnits;
 
-  explicit DistanceScale(const Normaliser& n)
-      : centroid_(n.centroid), scale_(static_cast<std::int64_t>((std::uint64_t{kUnits} << kShift) / n.d)) {}
+std::int64_t unitScaleOf(const Normaliser& n) {
+  return static_cast<std::int64_t>((std::uint64_t{kUnits} << kUnitShift) / n.d);
+}
 
-  std::int16_t along(std::int64_t p, std::int64_t centre) const {
-    const std::int64_t units = ((p - centre) * scale_ + (std::int64_t{1} << (kShift - 1))) >> kShift;
-    return static_cast<std::int16_t>(std::min(std::max(units, -kClamp), kClamp));
+VOXID_VECTORISED void toUnits(const std::int32_t* row, std::size_t size, std::int64_t centre, std::int64_t scale,
+                              std::int16_t* units) {
+  for (std::size_t i = 0; i < size; ++i) {
+    const std::int64_t scaled = ((row[i] - centre) * scale + (std::int64_t{1} << (kUnitShift - 1))) >> kUnitShift;
+    units[i] = static_cast<std::int16_t>(std::min(std::max(scaled, -kUnitClamp), kUnitClamp));
   }
-  const Vector& centroid() const { return centroid_; }
-
- private:
-  static constexpr int kShift = 32;
-
-  Vector centroid_;
-  std::int64_t scale_;
-};
+}
 
 // The grid is the cube of side D about the centroid; what lies outside counts in the nearest cell.
 Cell cellOf(std::int16_t x, std::int16_t y, std::int16_t z) {
-  constexpr int kHalf = DistanceScale::kUnits / 2, kCell = DistanceScale::kUnits / VoxelGrid::kSide;
+  constexpr int kHalf = kUnits / 2, kCell = kUnits / VoxelGrid::kSide;
   const auto along = [](int units) {
     return static_cast<std::uint8_t>((std::min(std::max(units, -kHalf), kHalf - 1) + kHalf) / kCell);
   };
@@ -154,11 +151,12 @@ struct Describer::Workspace {
   VoxelGrid surface;
   LineWalker lines;
   std::array<std::uint8_t, LineWalker::kLines> distance_bins;  // of the lines
-  std::array<PointUm, kMaxPoints> points;
+  PointRows points;
   std::array<Sample, kMaxPoints> samples;
 
-  Described describeKept(Span<const PointUm> kept);
-  void place(Span<const PointUm> kept, const Frame& frame);
+  Described describePoints();
+  void place();
+  void placeBlock(const Normaliser& normaliser, std::size_t first, std::size_t size);
   void fillSurface();
   int distanceBin(const Sample& a, const Sample& b) const;
   Counts drawPairs(std::size_t points);
@@ -166,26 +164,38 @@ struct Describer::Workspace {
   void countLines(std::size_t count, Counts& counts) const;
 };
 
-Described Describer::Workspace::describeKept(Span<const PointUm> kept) {
-  if (kept.empty()) return {};
-  const Box box = boxOf(kept);
+Described Describer::Workspace::describePoints() {
+  if (points.size == 0) return {};
+  const Box box = boxOf(points);
   if (isOnePoint(box)) return {DescribeStatus::Degenerate, {}};
-  place(kept, Frame(box));
+  Frame(box).enter(points);
+  place();
   fillSurface();
   Described result{DescribeStatus::Ok, {}};
-  write(drawPairs(kept.size), params.pairs, result.bins);
+  write(drawPairs(points.size), params.pairs, result.bins);
   return result;
 }
 
-void Describer::Workspace::place(Span<const PointUm> kept, const Frame& frame) {
-  const DistanceScale scale(normaliserOf(kept, frame));
+constexpr std::size_t kBlock = 512;  // points whose units fit the L1 cache
+
+void Describer::Workspace::place() {
+  const Normaliser normaliser = normaliserOf(points);
   surface.clear();
-  const Vector c = scale.centroid();
-  for (std::size_t i = 0; i < kept.size; ++i) {
-    const Vector p = frame.of(kept[i]);
-    const std::int16_t x = scale.along(p.x, c.x), y = scale.along(p.y, c.y), z = scale.along(p.z, c.z);
-    const Cell cell = cellOf(x, y, z);
-    samples[i] = {x, y, z, orderOf(cell)};
+  for (std::size_t first = 0; first < points.size; first += kBlock) {
+    placeBlock(normaliser, first, std::min(kBlock, points.size - first));
+  }
+}
+
+void Describer::Workspace::placeBlock(const Normaliser& normaliser, std::size_t first, std::size_t size) {
+  const std::int64_t scale = unitScaleOf(normaliser);
+  const Vector& c = normaliser.centroid;
+  std::array<std::int16_t, kBlock> x, y, z;
+  toUnits(&points.x[first], size, c.x, scale, x.data());
+  toUnits(&points.y[first], size, c.y, scale, y.data());
+  toUnits(&points.z[first], size, c.z, scale, z.data());
+  for (std::size_t i = 0; i < size; ++i) {
+    const Cell cell = cellOf(x[i], y[i], z[i]);
+    samples[first + i] = {x[i], y[i], z[i], orderOf(cell)};
     surface.set(cell);
   }
 }
@@ -245,18 +255,18 @@ const DescriptorParams& Describer::params() const { return workspace_->params; }
 
 Described Describer::describe(Span<const PointUm> points) {
   const EvenChoice choice(points.size);
-  if (choice.kept() == points.size) return workspace_->describeKept(points);
-  for (std::size_t i = 0; i < choice.kept(); ++i) workspace_->points[i] = points[choice.indexOf(i)];
-  return workspace_->describeKept({workspace_->points.data(), choice.kept()});
+  workspace_->points.size = 0;
+  for (std::size_t i = 0; i < choice.kept(); ++i) workspace_->points.add(points[choice.indexOf(i)]);
+  return workspace_->describePoints();
 }
 
 Described Describer::describe(const DepthView& depth, Span<const std::uint32_t> pixels) {
   if (depth.empty() || !depth.camera.valid()) return {};
-  std::size_t kept = 0;
-  forEachPixel(depth, pixels, [&](const Pixel& pixel) {
-    workspace_->points[kept++] = backProject(depth.camera, pixel.u, pixel.v, pixel.z_um);
-  });
-  return workspace_->describeKept({workspace_->points.data(), kept});
+  PointRows& points = workspace_->points;
+  points.size = 0;
+  const BackProjector camera(depth.camera);
+  forEachPixel(depth, pixels, [&](const Pixel& pixel) { points.add(camera.point(pixel.u, pixel.v, pixel.z_um)); });
+  return workspace_->describePoints();
 }
 
 // In this form compilers find the instruction for sums of absolute differences (psadbw).

@@ -31,12 +31,18 @@ struct Pixel {
   std::int32_t z_um = 0;
 };
 
-/// False for a pixel (row * width + column) outside the image or without depth.
+/// False for a pixel (row * width + column) outside the image or without depth. `pixel` is what was asked for before,
+/// or new: neighbours mostly share a row, and then nothing is divided.
 inline bool pixelAt(const DepthView& depth, std::uint32_t number, Pixel& pixel) {
-  const std::uint32_t row = number / static_cast<std::uint32_t>(depth.width_px);
+  const auto width = static_cast<std::uint32_t>(depth.width_px);
+  std::uint32_t row = static_cast<std::uint32_t>(pixel.v), column = number - row * width;
+  if (column >= width) {
+    row = number / width;
+    column = number % width;
+  }
   if (row >= static_cast<std::uint32_t>(depth.height_px)) return false;
   pixel.v = static_cast<int>(row);
-  pixel.u = static_cast<int>(number % static_cast<std::uint32_t>(depth.width_px));
+  pixel.u = static_cast<int>(column);
   pixel.z_um = depth.depthUm(pixel.u, pixel.v);
   return pixel.z_um != 0;
 }

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "point_rows.h"
 #include "voxid/core/depth_view.h"
-#include "voxid/core/span.h"
 
 namespace voxid {
 
@@ -36,13 +36,10 @@ struct Box {
 };
 
 /// `points` is not empty.
-inline Box boxOf(Span<const PointUm> points) {
-  Box box{points[0], points[0]};
-  for (const PointUm& p : points) {
-    box.least = {std::min(box.least.x, p.x), std::min(box.least.y, p.y), std::min(box.least.z, p.z)};
-    box.most = {std::max(box.most.x, p.x), std::max(box.most.y, p.y), std::max(box.most.z, p.z)};
-  }
-  return box;
+inline Box boxOf(const PointRows& points) {
+  const Range x = rangeOf(points.x.data(), points.size), y = rangeOf(points.y.data(), points.size),
+              z = rangeOf(points.z.data(), points.size);
+  return {{x.least, y.least, z.least}, {x.most, y.most, z.most}};
 }
 
 inline bool isOnePoint(const Box& box) {
@@ -53,27 +50,30 @@ inline bool isOnePoint(const Box& box) {
 /// bounded whatever the input, and a cloud twice as large gives the same numbers.
 class Frame {
  public:
-  explicit Frame(const Box& box) : corner_{box.least.x, box.least.y, box.least.z} {
-    const Vector e = relative(box.most);
+  explicit Frame(const Box& box) : corner_(box.least) {
+    const Vector e{std::int64_t{box.most.x} - corner_.x, std::int64_t{box.most.y} - corner_.y,
+                   std::int64_t{box.most.z} - corner_.z};
     for (std::int64_t largest = std::max({e.x, e.y, e.z}); largest >= kExtent; largest >>= 1) ++right_;
     for (std::int64_t largest = std::max({e.x, e.y, e.z}); largest < kExtent / 2; largest <<= 1) ++left_;
   }
 
-  Vector of(const PointUm& p) const {
-    const Vector r = relative(p);
-    return {r.x << left_ >> right_, r.y << left_ >> right_, r.z << left_ >> right_};
+  /// Brings the box's points into the frame.
+  void enter(PointRows& points) const {
+    shiftRow(points.x.data(), points.size, corner_.x, left_, right_);
+    shiftRow(points.y.data(), points.size, corner_.y, left_, right_);
+    shiftRow(points.z.data(), points.size, corner_.z, left_, right_);
   }
 
   /// Back to micrometres.
-  Vector pointUm(Vector v) const { return {corner_.x + lengthUm(v.x), corner_.y + lengthUm(v.y), corner_.z + lengthUm(v.z)}; }
+  Vector pointUm(Vector v) const {
+    return {corner_.x + lengthUm(v.x), corner_.y + lengthUm(v.y), corner_.z + lengthUm(v.z)};
+  }
   std::int64_t lengthUm(std::int64_t length) const { return length << right_ >> left_; }
 
  private:
   static constexpr std::int64_t kExtent = 1 << 20;
 
-  Vector relative(const PointUm& p) const { return {p.x - corner_.x, p.y - corner_.y, p.z - corner_.z}; }
-
-  Vector corner_;
+  PointUm corner_;
   int left_ = 0, right_ = 0;
 };
 
@@ -85,16 +85,13 @@ struct Normaliser {
 };
 
 /// 65,536 points of squares below 3 x 2^40 sum to less than 2^58.
-inline Normaliser normaliserOf(Span<const PointUm> points, const Frame& frame) {
+inline Normaliser normaliserOf(const PointRows& in_frame) {
   constexpr std::uint64_t kFactorSquaredPercent = 1156;
-  const auto n = static_cast<std::int64_t>(points.size);
-  Vector sum;
-  std::int64_t squares = 0;
-  for (const PointUm& point : points) {
-    const Vector p = frame.of(point);
-    sum = {sum.x + p.x, sum.y + p.y, sum.z + p.z};
-    squares += squaredNorm(p);
-  }
+  const auto n = static_cast<std::int64_t>(in_frame.size);
+  const Moments x = momentsOf(in_frame.x.data(), in_frame.size), y = momentsOf(in_frame.y.data(), in_frame.size),
+                z = momentsOf(in_frame.z.data(), in_frame.size);
+  const Vector sum{x.sum, y.sum, z.sum};
+  const std::int64_t squares = x.squares + y.squares + z.squares;
   const Vector c{sum.x / n, sum.y / n, sum.z / n};
   // sum of (p - c)^2 = sum of p^2 - 2 c sum of p + n c^2, exactly, for any c
   const std::int64_t about_centroid = squares - 2 * (c.x * sum.x + c.y * sum.y + c.z * sum.z) + n * squaredNorm(c);
