@@ -6,9 +6,18 @@
 
 #include "stopwatch.h"
 #include "turns.h"
-#include "voxid/geometry/heights.h"
 
 namespace voxid {
+namespace {
+
+Table tableOf(const Segments& segments) {
+  Table table;
+  table.normal = eigenOf(segments.table.normal).cast<float>();
+  table.distance_m = segments.table.distance_m;
+  return table;
+}
+
+}  // namespace
 
 SegmentationNodelet::~SegmentationNodelet() {
   const std::lock_guard<std::mutex> turn(subscriptionTurn());
@@ -94,25 +103,21 @@ void SegmentationNodelet::publishClouds(const DepthView& depth, const Segments& 
   const auto listened = [](const ros::Publisher& cloud) { return cloud && cloud.getNumSubscribers() > 0; };
   for (const ros::Publisher* coloured : {&cloud_, &debug_clusters_})
     if (listened(*coloured)) coloured->publish(boost::make_shared<sensor_msgs::PointCloud2>(cloudOf(depth, segments)));
-  const SegmentParams limits = params();
-  if (listened(debug_table_))
-    publishBand(debug_table_, depth, segments, -limits.min_height_mm, limits.min_height_mm, 0);
-  if (listened(debug_above_)) publishBand(debug_above_, depth, segments, limits.min_height_mm, limits.max_height_mm, 4);
+  if (!listened(debug_table_) && !listened(debug_above_)) return;
+  divide(depth, tableOf(segments), params(), parts_);
+  if (listened(debug_table_)) publishPart(debug_table_, depth, segments, parts_.table, 0);
+  if (listened(debug_above_)) publishPart(debug_above_, depth, segments, parts_.above, 4);
 }
 
-void SegmentationNodelet::publishBand(const ros::Publisher& cloud, const DepthView& depth, const Segments& segments,
-                                      double least_mm, double most_mm, int colour) {
-  const bool has_table = segments.table.inliers > 0;
-  Table table;
-  table.normal = eigenOf(segments.table.normal).cast<float>();
-  table.distance_m = segments.table.distance_m;
-  Segments band;
-  band.header = segments.header;
-  band.width = segments.width;
-  band.segments.resize(1);
-  band.segments[0].id = static_cast<std::uint16_t>(colour);
-  if (has_table) pixelsBetween(depth, table, least_mm, most_mm, band.segments[0].pixels);
-  cloud.publish(boost::make_shared<sensor_msgs::PointCloud2>(cloudOf(depth, band)));
+void SegmentationNodelet::publishPart(const ros::Publisher& cloud, const DepthView& depth, const Segments& segments,
+                                      const std::vector<std::uint32_t>& pixels, int colour) {
+  Segments part;
+  part.header = segments.header;
+  part.width = segments.width;
+  part.segments.resize(1);
+  part.segments[0].id = static_cast<std::uint16_t>(colour);
+  if (segments.table.inliers > 0) part.segments[0].pixels = pixels;
+  cloud.publish(boost::make_shared<sensor_msgs::PointCloud2>(cloudOf(depth, part)));
 }
 
 void SegmentationNodelet::onConfig(const SegmentationConfig& config) {

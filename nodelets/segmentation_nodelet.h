@@ -7,12 +7,14 @@
 
 #include <memory>
 #include <mutex>
+#include <vector>
 
 #include "conversions.h"
 #include "frame_sync.h"
 #include "health.h"
 #include "message_pool.h"
 #include "params.h"
+#include "voxid/geometry/heights.h"
 #include "voxid/geometry/segmenter.h"
 
 namespace voxid {
@@ -34,14 +36,15 @@ class SegmentationNodelet : public nodelet::Nodelet {
   void onConfig(const SegmentationConfig& config);
   boost::shared_ptr<Segments> segment(const Result<DepthView>& depth, const std_msgs::Header& header);
   void publishClouds(const DepthView& depth, const Segments& segments);
-  void publishBand(const ros::Publisher& cloud, const DepthView& depth, const Segments& segments, double least_mm,
-                   double most_mm, int colour);
+  void publishPart(const ros::Publisher& cloud, const DepthView& depth, const Segments& segments,
+                   const std::vector<std::uint32_t>& pixels, int colour);
   SegmentParams params() const;
 
   bool closing_ = false;
   mutable std::mutex params_mutex_;
   SegmentParams params_;
   Segmenter segmenter_;
+  TableAndAbove parts_;  // for the debug clouds
   MessagePool<Segments> pool_;
   Health health_;
   ros::Publisher segments_, cloud_;

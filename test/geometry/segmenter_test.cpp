@@ -6,10 +6,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 #include <string>
 
 #include "geometry/rendered.h"
+#include "voxid/geometry/heights.h"
 
 namespace voxid {
 namespace {
@@ -275,6 +277,30 @@ TEST(Segmenter, DropsAndCountsWhatIsNoObject) {
   EXPECT_GT(in_the_air->pixels, 200u);
   EXPECT_GT(in_the_air->box_px.x, View{}.width_px / 2);
   EXPECT_LE(in_the_air->pixels, static_cast<unsigned>(in_the_air->box_px.width * in_the_air->box_px.height));
+}
+
+TEST(Segmenter, DividesIntoTableAndAboveAsPartsAreFound) {
+  const Image image = render(View{}, {kTall, kLow});
+  SegmentParams plain;  // no pixel but those above
+  plain.rim = plain.split = plain.join = false;
+  Segmenter segmenter;
+  const Scene& scene = segmenter.segment(image.view(), plain);
+  TableAndAbove parts;
+  divide(image.view(), scene.table, plain, parts);
+  std::vector<std::uint32_t> found;
+  for (const Cluster& c : scene.clusters) found.insert(found.end(), c.pixels.begin(), c.pixels.end());
+  std::sort(found.begin(), found.end());
+  std::vector<std::uint32_t> both;
+  std::set_intersection(found.begin(), found.end(), parts.above.begin(), parts.above.end(), std::back_inserter(both));
+  EXPECT_GT(both.size(), found.size() * 99 / 100);
+  EXPECT_GT(both.size(), parts.above.size() * 99 / 100);
+  EXPECT_NEAR(static_cast<double>(parts.table.size() + parts.above.size()), scene.valid_pixels,
+              scene.valid_pixels * 0.005);
+  SegmentParams wide = plain;
+  wide.min_margin_per_km = 60;  // at 0.8 m some 30 mm
+  const std::size_t before = parts.above.size();
+  divide(image.view(), scene.table, wide, parts);
+  EXPECT_LT(parts.above.size(), before);
 }
 
 TEST(Segmenter, KeepsTheLargestOfTooMany) {

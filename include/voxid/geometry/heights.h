@@ -6,12 +6,17 @@
 
 #include "voxid/core/depth_view.h"
 #include "voxid/geometry/scene.h"
+#include "voxid/geometry/segment_params.h"
 
 namespace voxid {
 
-/// Pixels (row * width + column, ascending) whose points lie between two heights over the table's plane, millimetres,
-/// the lower one included; for people to look at, the segmentation has finer rules. Pixels without depth are left out.
-void pixelsBetween(const DepthView& depth, const Table& table, double least_mm, double most_mm,
-                   std::vector<std::uint32_t>& pixels);
+/// What the segmentation takes a depth image's pixels for, for people to look at: row * width + column, ascending.
+struct TableAndAbove {
+  std::vector<std::uint32_t> table;  ///< not above it, and at most min_height_mm below
+  std::vector<std::uint32_t> above;  ///< at least min_height_mm and min_margin_per_km above it, below max_height_mm
+};
+
+/// Pixels outside the depth range are in neither list. `table` is a scene's.
+void divide(const DepthView& depth, const Table& table, const SegmentParams& params, TableAndAbove& parts);
 
 }  // namespace voxid
