@@ -100,9 +100,9 @@ std::vector<Sketch> Aligner::sketch(const AlignableModel& model, int starts) {
   if (!w.usable) return sketches;
   for (const Start& start : findStarts(model.looks(), w.fine, starts)) {
     Sketch sketch{start.pose, 1};
-    w.refiner.refine(model.surface(), w.coarse, w.support, coarseSchedule(w.params.coarse_steps), w.params.outline,
-                     sketch.pose);
-    sketch.misfit = w.refiner.judge(model.surface(), w.coarse, w.support, sketch.pose).misfit;
+    w.refiner.refine(model.sketchSurface(), w.coarse, w.support, coarseSchedule(w.params.coarse_steps),
+                     w.params.outline, sketch.pose);
+    sketch.misfit = w.refiner.judge(model.sketchSurface(), w.coarse, w.support, sketch.pose).misfit;
     sketches.push_back(sketch);
   }
   std::stable_sort(sketches.begin(), sketches.end(),

@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "surface_painter.h"
+#include "thinned_surface.h"
 
 namespace voxid {
 namespace {
@@ -180,6 +181,9 @@ std::vector<Start> findStarts(const AlignableModel::Looks& looks, const Observat
 
 AlignableModel::AlignableModel(ModelSurface surface, Span<const format::Direction> directions)
     : surface_(std::move(surface)), looks_(std::make_unique<Looks>()) {
+  constexpr int kCells = 24;  // a cell is two pixels of the coarse observation of a thing that fills it
+  constexpr std::size_t kFewTriangles = 500;
+  if (surface_.triangles.size() > kFewTriangles) thinned_ = thinned(surface_, kCells);
   const PixelGrid grid = gridOfLooks();
   SurfacePainter painter;
   for (const format::Direction& direction : directions) {

@@ -241,7 +241,7 @@ PoseCovariance PoseRefiner::covarianceAt(const ModelSurface& surface, const Obse
   constexpr int kBlock = 8;  // cells
   // Errors that a whole face has in common (quantised disparities, the drawing of the model) do not show as differences
   // between blocks: measured on views of known poses (doc/pose.md).
-  constexpr float kCommonErrors = 2.5f;
+  constexpr float kCommonErrors = 5.75f;
   painter_.draw(surface, pose, seen.grid);
   collect(seen, support, 4 * kDepthNoisePerMm * seen.centroid_mm.squaredNorm(), outline, pose);
   PoseVector gradient;

@@ -6,6 +6,15 @@
 #include <cmath>
 
 namespace voxid {
+namespace {
+
+/// Of a number that is not negative; std::ceil is a call where the processor's newer instructions are not presumed.
+int roundedUp(float x) {
+  const int below = static_cast<int>(x);
+  return below + (static_cast<float>(below) < x ? 1 : 0);
+}
+
+}  // namespace
 
 using Eigen::Vector3f;
 
@@ -36,8 +45,8 @@ void SurfacePainter::drawTriangle(std::uint32_t number, const PixelGrid& grid) {
   const auto& corners = surface_->triangles[number];
   const ImagePoint &a = image_points_[corners[0]], &b = image_points_[corners[1]], &c = image_points_[corners[2]];
   if (a.inverse_depth <= 0 || b.inverse_depth <= 0 || c.inverse_depth <= 0) return;
-  const int left = static_cast<int>(std::ceil(std::max(0.0f, std::min({a.x, b.x, c.x}))));
-  const int top = static_cast<int>(std::ceil(std::max(0.0f, std::min({a.y, b.y, c.y}))));
+  const int left = roundedUp(std::max(0.0f, std::min({a.x, b.x, c.x})));
+  const int top = roundedUp(std::max(0.0f, std::min({a.y, b.y, c.y})));
   const int right = static_cast<int>(std::min(static_cast<float>(grid.width - 1), std::max({a.x, b.x, c.x})));
   const int bottom = static_cast<int>(std::min(static_cast<float>(grid.height - 1), std::max({a.y, b.y, c.y})));
   if (left > right || top > bottom) return;  // most: between the cells' centres, or outside

@@ -55,20 +55,22 @@ Matrix3f turnAbout(int axis, float angle) { return Eigen::AngleAxisf(angle, Vect
 class SelfComparison {
  public:
   explicit SelfComparison(const ModelSurface& surface) : some_(surface, 400, 0.37f), all_(surface, 8000) {
-    own_ = meanDistance(Matrix3f::Identity());
+    for (const Vector3f& p : some_.points()) most_ += all_.distanceTo(p);
+    most_ += 0.006f * static_cast<float>(some_.points().size());
   }
-  bool alike(const Matrix3f& turn) const { return meanDistance(turn) - own_ < 0.006f; }
+  bool alike(const Matrix3f& turn) const {
+    float sum = 0;
+    for (const Vector3f& p : some_.points()) {
+      sum += all_.distanceTo(turn * p);
+      if (sum >= most_) return false;  // most turns end after a few points
+    }
+    return true;
+  }
   bool empty() const { return some_.points().empty(); }
 
  private:
-  float meanDistance(const Matrix3f& turn) const {
-    float sum = 0;
-    for (const Vector3f& p : some_.points()) sum += all_.distanceTo(turn * p);
-    return sum / static_cast<float>(std::max<std::size_t>(1, some_.points().size()));
-  }
-
   SurfaceSamples some_, all_;
-  float own_ = 0;
+  float most_ = 0;  ///< sum of the distances of a turn that is alike
 };
 
 /// Angles that no fold of a few divides: alike at all of them means alike at any.

@@ -33,12 +33,14 @@ class AlignableModel {
   AlignableModel& operator=(const AlignableModel&) = delete;
 
   const ModelSurface& surface() const { return surface_; }
+  /// With fewer triangles, for low resolution.
+  const ModelSurface& sketchSurface() const { return thinned_.triangles.empty() ? surface_ : thinned_; }
 
   struct Looks;
   const Looks& looks() const { return *looks_; }
 
  private:
-  ModelSurface surface_;
+  ModelSurface surface_, thinned_;  ///< thinned_ is empty if the surface has few triangles
   std::unique_ptr<Looks> looks_;
 };
 
