@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// voxid_chain_bench FOLDER INDEX OPENNI2 SECONDS: the live chain on a folder of depth images, played by the replay
+// voxid_chain_bench FOLDER INDEX OPENNI2 SECONDS ALIGN MODELS: the live chain on a folder of depth images, played by the replay
 // driver at 30 frames a second, under a ROS master and an LCM address of its own. One JSON object on stdout, or one
 // sentence there and exit code 1.
 #include <ros/ros.h>
@@ -32,6 +32,7 @@ constexpr char kMaster[] = "/usr/bin/rosmaster";
 struct Options {
   std::string folder, index, openni2;
   double seconds;
+  std::string align, models;
 };
 
 /// A folder for the logs of ROS, gone with this object.
@@ -100,7 +101,7 @@ struct Window {
 
 struct Sums {
   std::vector<double> latency_ms, segment_ms, classify_ms;
-  std::size_t frames = 0, answered = 0, objects = 0;
+  std::size_t frames = 0, answered = 0, objects = 0, aligned = 0;
 };
 
 Sums sumsOf(const Frames& frames, const Window& window, bool lcm) {
@@ -114,6 +115,7 @@ Sums sumsOf(const Frames& frames, const Window& window, bool lcm) {
     sums.segment_ms.push_back(frame.segment_ms);
     sums.classify_ms.push_back(frame.classify_ms);
     sums.objects += frame.objects;
+    sums.aligned += frame.aligned;
   }
   for (auto* samples : {&sums.latency_ms, &sums.segment_ms, &sums.classify_ms})
     std::sort(samples->begin(), samples->end());
@@ -149,6 +151,7 @@ Json rowOf(const Frames& frames, const Window& window, StageTimes& stages, bool 
   row["lost"] = std::max(sums.frames, due) - sums.answered;
   row["cpu_ms_per_frame"] = stageRow(stages.cpuMsPerFrame(window.from_us, window.to_us), window, sums.frames);
   row["objects_per_frame"] = rounded(static_cast<double>(sums.objects) / static_cast<double>(sums.answered));
+  row["aligned_per_frame"] = rounded(static_cast<double>(sums.aligned) / static_cast<double>(sums.answered));
   row["segment_ms_p50"] = rounded(quantile(sums.segment_ms, 0.5));
   row["classify_ms_p50"] = rounded(quantile(sums.classify_ms, 0.5));
   row["lcm"] = lcm;
@@ -164,6 +167,8 @@ Json measure(const Options& options) {
   ros::NodeHandle node(kNamespace);
   const std::string url = "udpm://239.255.76.67:" + std::to_string(freePort(true)) + "?ttl=0";
   node.setParam("classification/index", options.index);
+  node.setParam("classification/align", options.align);
+  node.setParam("classification/models", options.models);
   node.setParam("lcm_bridge/url", url);
   Arrivals arrivals(node, url);
   StageTimes stages(node);
@@ -192,8 +197,10 @@ Json measure(const Options& options) {
 
 int main(int argc, char** argv) try {
   if (argc > 1 && std::string(argv[1]) == "--manager") return voxid::bench::runManager(argc, argv);
-  if (argc != 5) throw std::runtime_error("voxid_chain_bench FOLDER INDEX OPENNI2 SECONDS: run by voxid bench --chain");
-  const auto row = voxid::bench::measure({argv[1], argv[2], argv[3], std::strtod(argv[4], nullptr)});
+  if (argc != 7)
+    throw std::runtime_error("voxid_chain_bench FOLDER INDEX OPENNI2 SECONDS ALIGN MODELS: run by voxid bench --chain");
+  const auto row =
+      voxid::bench::measure({argv[1], argv[2], argv[3], std::strtod(argv[4], nullptr), argv[5], argv[6]});
   std::printf("%s\n", row.dump().c_str());
   return 0;
 } catch (const std::exception& error) {

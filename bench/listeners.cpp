@@ -71,6 +71,7 @@ void Arrivals::onObjects(const ObjectsConstPtr& objects) {
   frame.segment_ms = objects->segment_ms;
   frame.classify_ms = objects->classify_ms;
   frame.objects = objects->objects.size();
+  for (const Object& object : objects->objects) frame.aligned += object.model_pose.status == ModelPose::ALIGNED;
 }
 
 void Arrivals::onList(const lcm::ReceiveBuffer*, const std::string&, const object_list_t* list) {

@@ -22,7 +22,7 @@ namespace voxid::bench {
 struct Frame {
   std::int64_t ros_us = 0, lcm_us = 0;
   float segment_ms = 0, classify_ms = 0;
-  std::size_t objects = 0;
+  std::size_t objects = 0, aligned = 0;  ///< of them, those with their model's pose
 };
 
 /// By the stamp of the camera, in microseconds since the epoch.

@@ -22,6 +22,7 @@ struct Options {
   int most = 400, seconds = 30;
   std::uint32_t scale = 0;
   std::string scale_out;
+  ChainAlignment alignment;
   bool json = false, chain = false;
 };
 
@@ -131,7 +132,8 @@ Status addSceneRows(const Options& options, Json& result) {
 Status addChainRow(const Options& options, Json& result) {
   const auto index = Index::open(options.index);  // what is wrong with it is better said here
   if (!index.ok()) return index.status;
-  auto row = benchChain(options.frames.empty() ? options.scenes : options.frames, options.index, options.seconds);
+  auto row = benchChain(options.frames.empty() ? options.scenes : options.frames, options.index, options.seconds,
+                        options.alignment);
   if (row.ok()) result["rows"].push_back(std::move(row.value));
   return row.status;
 }
@@ -139,6 +141,8 @@ Status addChainRow(const Options& options, Json& result) {
 Status checked(const Options& options) {
   if (options.chain && (options.index.empty() || (options.scenes.empty() && options.frames.empty())))
     return Status::badUse("--chain needs --index FILE, and the frames to show: --scenes DIR or --frames DIR");
+  if ((options.alignment.mode != "off") != !options.alignment.models.empty())
+    return Status::badUse("--align selected or all needs --models DIR, which is of no use without");
   if (!options.chain && !options.frames.empty()) return Status::badUse("--frames are what --chain shows: add --chain");
   if (options.scale > 0 && options.queries.empty())
     return Status::badUse("--scale needs --index FILE, whose views are copied, and --queries DIR");
@@ -219,6 +223,11 @@ Run addBench(CLI::App& app) {
       ->capture_default_str()
       ->check(CLI::Range(1, 1000000));
   app.add_flag("--chain", options->chain, "The live chain: nodelets, ROS and LCM on the frames replayed at real rate");
+  app.add_option("--align", options->alignment.mode, "Of the chain: poses of models, as ~align")
+      ->check(CLI::IsMember({"off", "selected", "all"}))
+      ->capture_default_str();
+  app.add_option("--models", options->alignment.models, "With --align: the folder that the index was made from")
+      ->type_name("DIR");
   app.add_option("--frames", options->frames, "Depth images for the chain instead of the scenes")->type_name("DIR");
   app.add_option("--seconds", options->seconds, "How long the chain is measured")
       ->type_name("S")

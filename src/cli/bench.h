@@ -41,7 +41,12 @@ Result<std::vector<Json>> benchSegmentation(const std::string& folder, int most)
 
 /// The row chain: the nodelets on FOLDER's depth images, replayed at 30 frames a second for so long. Needs a build with
 /// ROS.
-Result<Json> benchChain(const std::string& folder, const std::string& index, int seconds);
+struct ChainAlignment {
+  std::string mode = "off";  ///< off, selected, all
+  std::string models;        ///< folder; empty with off
+};
+Result<Json> benchChain(const std::string& folder, const std::string& index, int seconds,
+                        const ChainAlignment& alignment);
 
 /// The searches of an index and of other libraries over its codes.
 std::vector<Json> benchQueries(const std::shared_ptr<const Index>& index, const std::vector<BenchView>& views);

@@ -63,14 +63,18 @@ Result<std::string> outputOf(const std::vector<std::string>& words, int& code) {
 
 }  // namespace
 
-Result<Json> benchChain(const std::string& folder, const std::string& index, int seconds) {
+Result<Json> benchChain(const std::string& folder, const std::string& index, int seconds,
+                        const ChainAlignment& alignment) {
   std::error_code error;
-  if (!fs::is_directory(folder, error)) return Status::cannotDo("there is no folder " + folder);
+  for (const std::string& wanted : {folder, alignment.models}) {
+    if (!wanted.empty() && !fs::is_directory(wanted, error)) return Status::cannotDo("there is no folder " + wanted);
+  }
   const auto places = findPlaces();
   if (!places.ok()) return places.status;
   int code = -1;
   const auto output = outputOf({places.value.program.string(), fs::absolute(folder).string(),
-                                fs::absolute(index).string(), places.value.openni2.string(), std::to_string(seconds)},
+                                fs::absolute(index).string(), places.value.openni2.string(), std::to_string(seconds),
+                                alignment.mode, alignment.models.empty() ? "" : fs::absolute(alignment.models).string()},
                                code);
   if (!output.ok()) return output.status;
   Json row = Json::parse(output.value, nullptr, false);

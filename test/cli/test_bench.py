@@ -161,7 +161,16 @@ def test_the_chain_says_what_a_frame_costs_each_stage(chain):
     assert row["core_share"] == pytest.approx(stages["all"] * row["frames"] / 3000, rel=0.05)
 
 
+def test_the_chain_aligns_models_if_told(voxid, index, scenes, models, chain):
+    answer = voxid("bench", "--chain", "--index", index, "--frames", scenes, "--seconds", 3, "--align", "all",
+                   "--models", models, "--json")
+    (row,) = answer.json["rows"]
+    assert chain[0]["aligned_per_frame"] == 0
+    assert 0 <= row["aligned_per_frame"] <= row["objects_per_frame"] == 2  # a busy machine may come to none
+
+
 def test_bad_use_of_the_chain(voxid, index, scenes, tmp_path):
+    voxid("bench", "--chain", "--index", index, "--frames", scenes, "--align", "all").refuses(2, "--models")
     voxid("bench", "--chain", "--index", index).refuses(2, "--scenes", "--frames")
     voxid("bench", "--chain", "--frames", scenes).refuses(2, "--index")
     voxid("bench", "--frames", scenes, "--scenes", scenes).refuses(2, "--chain")
