@@ -14,6 +14,7 @@
 #include <array>
 #include <string>
 #include <voxid/object_list_t.hpp>
+#include <voxid/object_points_t.hpp>
 
 #include "voxid/core/classifier.h"
 #include "voxid/core/status.h"
@@ -70,6 +71,11 @@ std::int64_t microsecondsOf(const ros::Time& stamp);
 /// One datagram's worth: at most 64 objects with 5 alternatives each, fewer where names are long.
 object_list_t toLcm(const Objects& objects);
 constexpr int kMaxLcmBytes = 65000;  ///< of an encoded list; a datagram of liblcm holds 65,499 with its header
+
+/// The points of one object, for VOXID_POINTS; at most kMaxLcmPoints of them, which fit a datagram.
+object_points_t pointsOf(const DepthView& depth, const Segments& segments, const Segment& segment,
+                         std::uint32_t number);
+constexpr std::size_t kMaxLcmPoints = 6000;
 
 /// The objects' points in the depth image's frame, with the colour of their id: fields x, y, z (float32, metres), rgb.
 sensor_msgs::PointCloud2 cloudOf(const DepthView& depth, const Segments& segments);

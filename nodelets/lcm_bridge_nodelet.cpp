@@ -27,6 +27,26 @@ void LcmBridgeNodelet::onInit() {
   connect();
   const std::lock_guard<std::mutex> turn(subscriptionTurn());
   objects_ = getNodeHandle().subscribe("objects", 2, &LcmBridgeNodelet::onObjects, this);
+  if (getPrivateNodeHandle().param("points", false)) listenToPoints();
+}
+
+void LcmBridgeNodelet::listenToPoints() {
+  frames_ = std::make_unique<Frame>(8, image_, info_, segments_, named_, this, &LcmBridgeNodelet::onPoints, [] {});
+  image_.subscribe(getNodeHandle(), "depth/image_raw", 8);
+  info_.subscribe(getNodeHandle(), "depth/camera_info", 8);
+  segments_.subscribe(getNodeHandle(), "segments", 8);
+  named_.subscribe(getNodeHandle(), "objects", 2);
+}
+
+/// Objects come in the order of the segments.
+void LcmBridgeNodelet::onPoints(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info,
+                                const SegmentsConstPtr& segments, const ObjectsConstPtr& objects) {
+  const Result<DepthView> depth = viewOf(*image, *info);
+  if (!depth.ok() || !fit(*segments, depth.value) || !connected()) return;
+  for (std::size_t i = 0; i < std::min(segments->segments.size(), objects->objects.size()); ++i) {
+    const object_points_t points = pointsOf(depth.value, *segments, segments->segments[i], objects->objects[i].number);
+    if (lcm_->publish(kPointsChannel, &points) != 0) return health_.reason(Health::Level::Error, remedy(url_));
+  }
 }
 
 void LcmBridgeNodelet::onObjects(const ObjectsConstPtr& objects) {

@@ -134,6 +134,25 @@ std::array<double, 36> swapHalves(const std::array<double, 36>& covariance) {
 
 std::int64_t microsecondsOf(const ros::Time& stamp) { return std::int64_t{stamp.sec} * 1000000 + stamp.nsec / 1000; }
 
+object_points_t pointsOf(const DepthView& depth, const Segments& segments, const Segment& segment,
+                         std::uint32_t number) {
+  object_points_t out{};
+  out.utime = microsecondsOf(segments.header.stamp);
+  out.frame_name = segments.header.frame_id;
+  out.id = segment.id;
+  out.number = static_cast<int>(number);
+  const std::size_t count = std::min(segment.pixels.size(), kMaxLcmPoints);
+  const auto mm = [](std::int32_t um) { return static_cast<std::int16_t>(std::clamp(um / 1000, -32767, 32767)); };
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t pixel = segment.pixels[i * segment.pixels.size() / count];
+    const int u = static_cast<int>(pixel % segments.width), v = static_cast<int>(pixel / segments.width);
+    const PointUm p = backProject(depth.camera, u, v, depth.depthUm(u, v));
+    out.xyz_mm.push_back({mm(p.x), mm(p.y), mm(p.z)});
+  }
+  out.num_points = static_cast<int>(count);
+  return out;
+}
+
 object_list_t toLcm(const Objects& objects) {
   object_list_t list{};
   list.utime = microsecondsOf(objects.header.stamp);

@@ -70,14 +70,20 @@ class Camera10Hz {
 class LcmInbox {
  public:
   explicit LcmInbox(const std::string& url) : lcm_(url) {
-    if (lcm_.good()) lcm_.subscribe("VOXID_OBJECTS", &LcmInbox::on, this);
+    if (!lcm_.good()) return;
+    lcm_.subscribe("VOXID_OBJECTS", &LcmInbox::on, this);
+    lcm_.subscribe("VOXID_POINTS", &LcmInbox::onPoints, this);
   }
   bool good() const { return lcm_.good(); }
   void handle() { lcm_.handleTimeout(50); }
   std::map<std::int64_t, object_list_t> lists;
+  std::map<std::int64_t, std::map<std::int32_t, object_points_t>> points;  // by id
 
  private:
   void on(const lcm::ReceiveBuffer*, const std::string&, const object_list_t* list) { lists[list->utime] = *list; }
+  void onPoints(const lcm::ReceiveBuffer*, const std::string&, const object_points_t* of_one) {
+    points[of_one->utime][of_one->id] = *of_one;
+  }
   mutable lcm::LCM lcm_;
 };
 
@@ -151,6 +157,29 @@ TEST_F(Bridge, LcmCarriesWhatRosCarries) {
   const Eigen::Vector3d centre = TableScene().inCamera(TableScene().boxes[0].centre_m);
   EXPECT_LT((Eigen::Vector3d(box.position_m) - centre).norm(), 0.02);
   EXPECT_EQ(list->objects[box_first ? 1 : 0].label, "ball");
+}
+
+TEST_F(Bridge, PointsOfEachObjectComeOnAChannelOfTheirOwn) {
+  LcmInbox inbox(url_);
+  const Camera10Hz camera("/voxid");
+  const object_list_t* list = nullptr;
+  ASSERT_TRUE(eventually(20, [&] {
+    inbox.handle();
+    for (const auto& [utime, of_frame] : inbox.points) {
+      const bool complete = of_frame.size() == 2 && inbox.lists.count(utime) && inbox.lists[utime].num_objects == 2;
+      if (complete) list = &inbox.lists[utime];
+    }
+    return list != nullptr;
+  }));
+  for (const object_t& object : list->objects) {
+    const object_points_t& points = inbox.points[list->utime][object.id];
+    EXPECT_EQ(points.number, object.number);
+    EXPECT_EQ(points.frame_name, "camera");
+    EXPECT_EQ(points.num_points, object.num_points);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const auto& p : points.xyz_mm) sum += Eigen::Vector3d(p[0], p[1], p[2]);
+    EXPECT_LT((sum * 1e-3 / points.num_points - Eigen::Vector3d(object.centroid_m)).norm(), 0.001);
+  }
 }
 
 /// 10 cm above the box's top, looking down.

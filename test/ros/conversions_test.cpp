@@ -215,6 +215,33 @@ TEST(ToLcm, AlwaysFitsOneDatagram) {
   EXPECT_LE(toLcm(objects).getEncodedSize(), kMaxLcmBytes);
 }
 
+TEST(Points, AreInMillimetresAndFitOneDatagram) {
+  const auto image = imageOf(std::vector<std::uint16_t>(320 * 240, 1050), ros::Time(5));
+  const DepthView depth = viewOf(*image, *infoOf(ros::Time(5))).value;
+  Segments segments;
+  segments.header = image->header;
+  segments.width = 320;
+  segments.height = 240;
+  Segment segment;
+  segment.id = 2;
+  segment.pixels = {120 * 320 + 160, 120 * 320 + 265};
+  const object_points_t two = pointsOf(depth, segments, segment, 70000);
+  EXPECT_EQ(two.utime, 5000000);
+  EXPECT_EQ(two.frame_name, "camera");
+  EXPECT_EQ(two.id, 2);
+  EXPECT_EQ(two.number, 70000);
+  ASSERT_EQ(two.num_points, 2);
+  EXPECT_EQ(two.xyz_mm[1], (std::vector<std::int16_t>{422, 2, 1050}));
+
+  segment.pixels.clear();
+  for (std::uint32_t pixel = 0; pixel < 320 * 240; ++pixel) segment.pixels.push_back(pixel);
+  const object_points_t many = pointsOf(depth, segments, segment, 0);
+  EXPECT_EQ(many.num_points, 6000);
+  EXPECT_LT(many.xyz_mm.front()[1], -400);
+  EXPECT_GT(many.xyz_mm.back()[1], 400);
+  EXPECT_LE(many.getEncodedSize(), kMaxLcmBytes);
+}
+
 TEST(SwapHalves, IsItsOwnInverse) {
   std::array<double, 36> m;
   for (int i = 0; i < 36; ++i) m[i] = i;
@@ -488,7 +515,7 @@ TEST(Overlay, DrawsTheTablesOutlineAndWhatWasDroppedWithTheReason) {
   const cv::Mat without = drawOverlay(depth, Segments(), Objects());
   EXPECT_GT(with.at<cv::Vec3b>(120, 159 - 125 + 1)[0], 230);  // the outline's left side
   EXPECT_LT(without.at<cv::Vec3b>(120, 159 - 125 + 1)[0], 200);
-  EXPECT_EQ(with.at<cv::Vec3b>(160, 200)[0], 190);            // the dropped cluster's left side
+  EXPECT_EQ(with.at<cv::Vec3b>(160, 200)[0], 190);  // the dropped cluster's left side
   const cv::Rect text(198, 138, 90, 10);
   EXPECT_GT(cv::norm(with(text), without(text), cv::NORM_L1), 5000);
 }
