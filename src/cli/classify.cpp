@@ -9,6 +9,7 @@
 
 #include "command.h"
 #include "depth_file.h"
+#include "evidence.h"
 #include "recogniser.h"
 #include "scene_json.h"
 #include "settings.h"
@@ -22,8 +23,10 @@ struct Options {
   std::string index;
   CameraChoice camera;
   SearchChoice search;
+  EvidenceChoice evidence;
+  std::string models;
   std::vector<std::string> settings;  ///< name=value
-  bool scene = false, json = false, vote = false, one_nn = false;
+  bool scene = false, align = false, json = false, vote = false, one_nn = false;
   double min_score = ClassifyParams{}.min_score_permille / 1000.0;
   std::string plot, labels;
 
@@ -37,14 +40,33 @@ struct Options {
 /// Everything that lasts from frame to frame.
 struct Session {
   const Options& options;
-  Recogniser recogniser;
+  EvidenceRecogniser recogniser;
   Segmenter segmenter;
   SegmentParams params;
-
-  Answer recognise(const DepthView& depth, Span<const std::uint32_t> pixels) {
-    return recogniser.recognise(depth, pixels, options.method(), options.minScorePermille());
-  }
 };
+
+/// What is said about one object.
+struct Named {
+  Answer answer;
+  ObjectPose pose;  ///< with --align
+};
+
+Result<Named> nameOf(Session& session, const ObservedObject& object) {
+  const auto answer =
+      session.recogniser.recognise(object, session.options.method(), session.options.minScorePermille());
+  if (!answer.ok()) return answer.status;
+  Named named{answer.value, {}};
+  if (!session.options.align || named.answer.count == 0) return named;
+  auto pose = session.recogniser.pose(object, named.answer.alternatives[0].category);
+  if (!pose.ok()) return pose.status;
+  named.pose = std::move(pose.value);
+  return named;
+}
+
+void addNamed(const Session& session, const Named& named, Json& object) {
+  addAnswer(session.recogniser.index(), named.answer, object);
+  if (session.options.align) object["pose"] = toJson(named.pose);
+}
 
 std::string rankedText(const Index& index, const Answer& answer) {
   std::string text;
@@ -55,6 +77,15 @@ std::string rankedText(const Index& index, const Answer& answer) {
     text += (i ? ", " : "") + std::string(index.categoryName(a.category)) + score;
   }
   return text;
+}
+
+void printPose(const ObjectPose& pose) {
+  const Alignment& a = pose.alignment;
+  if (!a.found) return;
+  std::printf("%-28s %s, diagonal %.0f mm, centre at %.0f %.0f %.0f mm, %.1f mm off, %.0f %% explained\n", "",
+              pose.model.c_str(), static_cast<double>(a.pose.scale), static_cast<double>(a.pose.translation.x()),
+              static_cast<double>(a.pose.translation.y()), static_cast<double>(a.pose.translation.z()),
+              static_cast<double>(a.fit_mm), 100 * static_cast<double>(a.explained));
 }
 
 void printRow(const Index& index, const Answer& answer, const std::string& what) {
@@ -88,41 +119,47 @@ Status writePlot(const Options& options, const std::string& file, const cv::Mat&
 Result<SceneStatus> classifyObject(Session& session, const DepthFile& file) {
   const DepthView depth = file.view();
   const std::vector<std::uint32_t> pixels = setPixels(depth);
-  const Answer answer = session.recognise(depth, {pixels.data(), pixels.size()});
+  const auto named = nameOf(session, {depth, {pixels.data(), pixels.size()}, {}});
+  if (!named.ok()) return named.status;
+  const Answer& answer = named.value.answer;
   const Index& index = session.recogniser.index();
   if (session.options.json) {
     Json line;
     line["file"] = file.path;
-    addAnswer(index, answer, line);
+    addNamed(session, named.value, line);
     line["pixels"] = pixels.size();
     std::cout << lineOf(line) << std::flush;
   } else {
     printRow(index, answer, file.path);
+    printPose(named.value.pose);
   }
   if (!session.options.plot.empty()) {
-    const Status status = writePlot(session.options, file.path, drawAnswer(depth, index, answer));
+    cv::Mat picture = drawAnswer(depth, index, answer);
+    drawPose(depth, named.value.pose, colourOf(1), picture);
+    const Status status = writePlot(session.options, file.path, picture);
     if (!status.ok()) return status;
   }
   return answer.count > 0 ? SceneStatus::Ok : SceneStatus::NoDepth;
 }
 
 void printScene(const Session& session, const std::string& file, const Scene& scene,
-                const std::vector<Answer>& answers) {
+                const std::vector<Named>& named) {
   const Index& index = session.recogniser.index();
   if (!session.options.json) {
     std::printf("%s: %s, %s\n", file.c_str(), nameOf(scene.status), sentenceOf(scene.status));
-    for (std::size_t i = 0; i < answers.size(); ++i) {
-      printRow(index, answers[i], "  object " + std::to_string(scene.clusters[i].id));
+    for (std::size_t i = 0; i < named.size(); ++i) {
+      printRow(index, named[i].answer, "  object " + std::to_string(scene.clusters[i].id));
+      printPose(named[i].pose);
     }
     return;
   }
   Json line = toJson(file, scene);
-  for (std::size_t i = 0; i < answers.size(); ++i) addAnswer(index, answers[i], line["objects"][i]);
+  for (std::size_t i = 0; i < named.size(); ++i) addNamed(session, named[i], line["objects"][i]);
   std::cout << lineOf(line) << std::flush;
 }
 
 Status writePictures(const Session& session, const DepthFile& file, const Scene& scene,
-                     const std::vector<Answer>& answers) {
+                     const std::vector<Named>& named) {
   const Options& options = session.options;
   if (!options.labels.empty()) {
     const Status status = writeLabels(options.labels, file.path, labelImage(scene, file.pixels.cols, file.pixels.rows));
@@ -130,17 +167,25 @@ Status writePictures(const Session& session, const DepthFile& file, const Scene&
   }
   if (options.plot.empty()) return {};
   std::vector<std::string> captions;
-  for (const Answer& answer : answers) captions.push_back(captionOf(session.recogniser.index(), answer));
-  return writePlot(options, file.path, drawScene(file.view(), scene, captions));
+  for (const Named& one : named) captions.push_back(captionOf(session.recogniser.index(), one.answer));
+  cv::Mat picture = drawScene(file.view(), scene, captions);
+  for (std::size_t i = 0; i < named.size(); ++i)
+    drawPose(file.view(), named[i].pose, colourOf(scene.clusters[i].id), picture);
+  return writePlot(options, file.path, picture);
 }
 
 /// The frame shows a table with objects.
 Result<SceneStatus> classifyScene(Session& session, const DepthFile& file) {
   const Scene& scene = session.segmenter.segment(file.view(), session.params);
-  std::vector<Answer> answers;
-  for (const Cluster& cluster : scene.clusters) answers.push_back(session.recognise(file.view(), cluster.pixels));
-  printScene(session, file.path, scene, answers);
-  const Status written = writePictures(session, file, scene, answers);
+  std::vector<Named> named;
+  const SupportPlane table{scene.table.normal, 1000 * scene.table.distance_m};
+  for (const Cluster& cluster : scene.clusters) {
+    auto one = nameOf(session, {file.view(), cluster.pixels, table});
+    if (!one.ok()) return one.status;
+    named.push_back(std::move(one.value));
+  }
+  printScene(session, file.path, scene, named);
+  const Status written = writePictures(session, file, scene, named);
   if (!written.ok()) return written;
   return scene.status;
 }
@@ -172,13 +217,20 @@ Status run(const Options& options) {
   if (!options.scene && !(options.labels.empty() && options.settings.empty())) {
     return Status::badUse("classify: --labels and --set are for whole scenes; add --scene");
   }
+  if (const Status evident = options.evidence.check(options.models); !evident.ok()) return evident;
+  if (options.evidence.align() && (options.vote || options.one_nn))
+    return Status::badUse("classify: --vote and --1nn are ways of counting codes; --evidence align has its own");
+  if (options.align && options.models.empty())
+    return Status::badUse("--align needs --models DIR, the folder that the index was made from");
   SegmentParams params;
   const Status set = applySettings(options.settings, params);
   if (!set.ok()) return set;
   const auto index = Index::open(options.index);
   if (!index.ok()) return index.status;
   if (const Status fits = options.search.check(*index.value); !fits.ok()) return fits;
-  Session session{options, Recogniser(index.value, options.search), Segmenter(), params};
+  Session session{options,
+                  EvidenceRecogniser(index.value, options.search, options.evidence, options.models),
+                  Segmenter(), params};
   return classifyFiles(session);
 }
 
@@ -192,6 +244,10 @@ Run addClassify(CLI::App& app) {
   app.add_flag("--scene", options->scene,
                "Find the table and name what stands on it; without, the set pixels are the object");
   app.add_flag("--json", options->json, "One object a frame and line");
+  options->evidence.addTo(app);
+  app.add_flag("--align", options->align, "Where each object's model stands; with --plot it is drawn over the picture");
+  app.add_option("--models", options->models, "With --align, --evidence align: the folder that the index was made from")
+      ->type_name("DIR");
   options->search.addTo(app);
   CLI::Option* const vote = app.add_flag("--vote", options->vote, "The ten nearest views vote (default)");
   app.add_flag("--1nn", options->one_nn, "The nearest view alone decides")->excludes(vote);

@@ -38,6 +38,9 @@ void printRow(const Json& row) {
               row["method"].get<std::string>().c_str(), row["top1"].get<double>(), intervalText(row["top1_95"]).c_str(),
               row["mean_category"].get<double>(), row["top5"].get<double>(), row["us_per_query"].get<double>(),
               row["bytes_per_view"].get<double>());
+  if (row.contains("minus_vote")) {
+    std::printf("   %+.2f %s against vote", row["minus_vote"].get<double>(), intervalText(row["minus_vote_95"]).c_str());
+  }
   if (row.contains("minus_esf") && !row["minus_esf"].is_null()) {
     std::printf(" %+10.2f %17s", row["minus_esf"].get<double>(), intervalText(row["minus_esf_95"]).c_str());
   }
@@ -83,8 +86,12 @@ Status compare(const Options& options, const std::shared_ptr<const Index>& index
 Status evaluate(const Options& options, const std::shared_ptr<const Index>& index) {
   const auto queries = readQueries(options.queries, options.every);
   if (!queries.ok()) return queries.status;
-  const auto evaluation =
-      evaluateQueries(index, queries.value, cameraOfFolder(options.queries), options.search, options.jobs);
+  QueryOptions how;
+  how.search = options.search;
+  how.evidence = options.scenes.evidence;
+  how.models = options.compare.models;
+  how.jobs = options.jobs;
+  const auto evaluation = evaluateQueries(index, queries.value, cameraOfFolder(options.queries), how);
   if (!evaluation.ok()) return evaluation.status;
   print(options, evaluation.value.result);
   if (options.confusion.empty()) return {};
@@ -125,6 +132,7 @@ Status evaluateFrames(const Options& options, const std::shared_ptr<const Index>
 
 Status evaluateReal(const Options& options, const std::shared_ptr<const Index>& index) {
   SceneOptions scenes = options.scenes;
+  scenes.models = options.compare.models;
   scenes.comparing = options.comparing;
   scenes.compare = compareOptionsOf(options);
   const auto result = evaluateScenes(index, scenes);
@@ -186,12 +194,22 @@ Status checkRetrieval(const Options& options) {
   return {};
 }
 
+Status checkEvidence(const Options& options) {
+  const EvidenceChoice& evidence = options.scenes.evidence;
+  if (evidence.names.empty()) return {};
+  if (options.queries.empty() && options.scenes.folder.empty())
+    return Status::badUse("--evidence is for --queries and --scenes");
+  if (options.unknown) return Status::badUse("--unknown excludes --evidence");
+  if (options.comparing && (evidence.align() || !options.queries.empty()))
+    return Status::badUse("--compare takes --evidence size with --scenes only");
+  return evidence.check(options.compare.models);
+}
+
 Status check(const Options& options) {
   if (options.retrieval) return checkRetrieval(options);
   if (!options.unseen.empty() && !options.memory && !options.posing)
     return Status::badUse("--unseen is for --retrieval, --memory and --poses");
-  if (!options.scenes.evidence.names.empty() && options.scenes.folder.empty())
-    return Status::badUse("--evidence is for --scenes");
+  if (Status status = checkEvidence(options); !status.ok()) return status;
   if (options.index.empty()) return Status::badUse("--index is required, except with --retrieval; see --help");
   if (options.memory && options.posing) return Status::badUse("--poses excludes --memory");
   if (options.memory) {
@@ -257,7 +275,8 @@ Run addEval(CLI::App& app) {
       ->type_name("PATH.png")
       ->needs(unknown);
   app.add_option("--models", options->compare.models,
-                 "With --compare, --unknown, --poses: the folder that the index was made from; with --retrieval: the models searched")
+                 "With --compare, --unknown, --poses, --evidence align: the folder that the index was made from; with "
+                 "--retrieval: the models searched")
       ->type_name("DIR");
   app.add_flag("--memory", options->memory,
                "What several frames say more than one: models of --unseen on a circle of twelve frames")

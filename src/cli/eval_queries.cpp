@@ -13,38 +13,63 @@ using Clock = std::chrono::steady_clock;
 
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
+struct AllOutcomes {
+  Outcomes by_method;
+  std::vector<Outcome> aligned;  ///< empty if alignment is no evidence
+};
+
 /// Answers one query after the other, as long as there are any; one object a thread.
 class Examiner {
  public:
-  Examiner(std::shared_ptr<const Index> index, const std::vector<Query>& queries, const CameraChoice& camera,
-           const SearchChoice& search, Outcomes& outcomes)
-      : recogniser_(std::move(index), search), camera_(camera), queries_(queries), outcomes_(outcomes) {}
+  Examiner(const std::shared_ptr<const Index>& index, const std::vector<Query>& queries, const CameraChoice& camera,
+           const QueryOptions& options, AllOutcomes& outcomes)
+      : recogniser_(index, options.search, options.evidence, options.models),
+        camera_(camera),
+        queries_(queries),
+        outcomes_(outcomes) {}
 
   Status answer(std::size_t query) {
     const auto file = readDepthFile(queries_[query].path, camera_);
     if (!file.ok()) return file.status;
     const std::vector<std::uint32_t> pixels = setPixels(file.value.view());
+    const ObservedObject object{file.value.view(), {pixels.data(), pixels.size()}, {}};
     const Clock::time_point start = Clock::now();
-    const Nearest* const found = recogniser_.nearest(file.value.view(), {pixels.data(), pixels.size()});
+    const Nearest* const found = recogniser_.nearest(object);
     const double search_s = secondsSince(start);
-    for (std::size_t m = 0; m < kMethods.size(); ++m) rank(query, m, found, search_s);
-    return {};
+    for (std::size_t m = 0; m < kMethods.size(); ++m) {
+      outcomes_.by_method[m][query] = outcomeBy(query, search_s, [&] {
+        return found ? classify(recogniser_.index(), *found, kMethods[m].method, 0) : Answer{};
+      });
+    }
+    return outcomes_.aligned.empty() || found == nullptr ? Status() : align(query, object, *found, search_s);
   }
 
  private:
-  void rank(std::size_t query, std::size_t method, const Nearest* found, double search_s) {
+  /// Reading the models is not counted: a robot has read them before.
+  Status align(std::size_t query, const ObservedObject& object, const Nearest& found, double search_s) {
+    auto candidates = recogniser_.candidates(found);
+    if (!candidates.ok()) return candidates.status;
+    outcomes_.aligned[query] = outcomeBy(query, search_s, [&] {
+      recogniser_.naming().sketch(object, candidates.value);
+      return recogniser_.naming().name(found, candidates.value, 0);
+    });
+    return {};
+  }
+
+  template <typename Rank>
+  Outcome outcomeBy(std::size_t query, double search_s, Rank rank) {
     const Clock::time_point start = Clock::now();
-    const Answer answer = found ? classify(recogniser_.index(), *found, kMethods[method].method, 0) : Answer{};
+    const Answer answer = rank();
     const double seconds = search_s + secondsSince(start);
     Outcome outcome = outcomeOf(recogniser_.index(), answer, queries_[query].category);
     outcome.seconds = seconds;
-    outcomes_[method][query] = std::move(outcome);
+    return outcome;
   }
 
-  Recogniser recogniser_;
+  EvidenceRecogniser recogniser_;
   CameraChoice camera_;
   const std::vector<Query>& queries_;
-  Outcomes& outcomes_;
+  AllOutcomes& outcomes_;
 };
 
 /// The first failure in the order of the queries, so that the sentence does not depend on the threads.
@@ -61,21 +86,22 @@ struct Failure {
   }
 };
 
-Result<Outcomes> answerAll(const std::shared_ptr<const Index>& index, const std::vector<Query>& queries,
-                           const CameraChoice& camera, const SearchChoice& search, int jobs) {
-  Outcomes outcomes;
-  for (auto& list : outcomes) list.resize(queries.size());
+Result<AllOutcomes> answerAll(const std::shared_ptr<const Index>& index, const std::vector<Query>& queries,
+                              const CameraChoice& camera, const QueryOptions& options) {
+  AllOutcomes outcomes;
+  for (auto& list : outcomes.by_method) list.resize(queries.size());
+  if (options.evidence.align()) outcomes.aligned.resize(queries.size());
   Failure failure;
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
-    Examiner examiner(index, queries, camera, search, outcomes);
+    Examiner examiner(index, queries, camera, options, outcomes);
     for (std::size_t query = next++; query < queries.size(); query = next++) {
       Status status = examiner.answer(query);
       if (!status.ok()) return failure.report(query, std::move(status));
     }
   };
   std::vector<std::thread> threads;
-  for (int i = 1; i < jobs; ++i) threads.emplace_back(work);
+  for (int i = 1; i < options.jobs; ++i) threads.emplace_back(work);
   work();
   for (std::thread& thread : threads) thread.join();
   if (!failure.status.ok()) return failure.status;
@@ -86,24 +112,35 @@ double bytesPerView(const Index& index) {
   return static_cast<double>(index.bytes()) / static_cast<double>(index.viewCount());
 }
 
-Json resultOf(const Index& index, const std::vector<Query>& queries, const Outcomes& outcomes) {
+Json alignedRow(const Index& index, const std::vector<Query>& queries, const AllOutcomes& outcomes) {
+  Json row = rowOf(index.parameters().profile, "align", figuresOf(queries, outcomes.aligned), bytesPerView(index));
+  const Difference difference = differenceOf(queries, outcomes.aligned, outcomes.by_method.back());
+  row["minus_vote"] = rounded(difference.top1);
+  row["minus_vote_95"] = {rounded(difference.low), rounded(difference.high)};
+  return row;
+}
+
+Json resultOf(const Index& index, const std::vector<Query>& queries, const AllOutcomes& outcomes) {
   Json json;
   json["queries"] = queries.size();
   json["rows"] = Json::array();
   for (std::size_t m = 0; m < kMethods.size(); ++m) {
     json["rows"].push_back(
-        rowOf(index.parameters().profile, kMethods[m].name, figuresOf(queries, outcomes[m]), bytesPerView(index)));
+        rowOf(index.parameters().profile, kMethods[m].name, figuresOf(queries, outcomes.by_method[m]), bytesPerView(index)));
   }
+  if (!outcomes.aligned.empty()) json["rows"].push_back(alignedRow(index, queries, outcomes));
   return json;
 }
 
 }  // namespace
 
 Result<QueryEvaluation> evaluateQueries(const std::shared_ptr<const Index>& index, const std::vector<Query>& queries,
-                                        const CameraChoice& camera, const SearchChoice& search, int jobs) {
-  const auto outcomes = answerAll(index, queries, camera, search, jobs);
-  if (!outcomes.ok()) return outcomes.status;
-  return QueryEvaluation{resultOf(*index, queries, outcomes.value), outcomes.value.back()};
+                                        const CameraChoice& camera, const QueryOptions& options) {
+  const auto answered = answerAll(index, queries, camera, options);
+  if (!answered.ok()) return answered.status;
+  const AllOutcomes& outcomes = answered.value;
+  return QueryEvaluation{resultOf(*index, queries, outcomes),
+                         outcomes.aligned.empty() ? outcomes.by_method.back() : outcomes.aligned};
 }
 
 }  // namespace voxid::cli

@@ -6,11 +6,13 @@
 #include <fstream>
 #include <map>
 #include <numeric>
+#include <optional>
 
 #include "compare_views.h"
 #include "evaluation.h"
 #include "nearest_codes.h"
 #include "scene_objects.h"
+#include "voxid/geometry/segmenter.h"
 
 namespace voxid::cli {
 namespace {
@@ -115,45 +117,77 @@ Json classesOf(const Tallies& tallies) {
   return classes;
 }
 
+/// What counts beside the codes; null: does not.
+struct Evidence {
+  const SizeTable* sizes = nullptr;
+  AlignedNaming* naming = nullptr;
+};
+
+/// The table under the objects, where the segmentation finds it.
+SupportPlane supportIn(const DepthView& depth, Segmenter& segmenter) {
+  const Scene& scene = segmenter.segment(depth, SegmentParams{});
+  return scene.status == SceneStatus::Ok ? SupportPlane{scene.table.normal, 1000 * scene.table.distance_m}
+                                         : SupportPlane{};
+}
+
+/// By vote, or by models aligned with the object.
+Result<Answer> answerFor(const Index& index, const ObservedObject& object, const Nearest& found, const CodeSearch& search,
+                         AlignedNaming* naming) {
+  if (naming == nullptr) return classify(index, found, ClassifyMethod::Vote, 0);
+  auto candidates = naming->candidates(search.query(), found);
+  if (!candidates.ok()) return candidates.status;
+  naming->sketch(object, candidates.value);
+  return naming->name(found, candidates.value, 0);
+}
+
 /// All objects by one descriptor, mask and choice.
-Json rowOf(const Index& index, const SceneObjects& scenes, CodeSearch& search, std::pair<const char*, Mask> mask,
-           const Choice& choice, const SizeTable* sizes) {
-  std::array<Tallies, kMethods.size()> tallies;
+Result<Json> rowOf(const Index& index, const SceneObjects& scenes, CodeSearch& search,
+                   std::pair<const char*, Mask> mask, const Choice& choice, const Evidence& evidence) {
+  Tallies all, by_nearest;
+  Segmenter segmenter;
   for (const SceneObject& object : scenes.objects) {
     const auto& pixels = mask.second == Mask::True ? object.true_pixels : object.own_pixels;
     const DepthView depth = object.depth->view();
     const Span<const std::uint32_t> shown{pixels.data(), pixels.size()};
     const AllowedCategories allowed =
-        sizes ? sizes->allowed(longestExtent_mm(depth, shown), choice.allowed) : choice.allowed;
+        evidence.sizes ? evidence.sizes->allowed(longestExtent_mm(depth, shown), choice.allowed) : choice.allowed;
     const Nearest* const found = search.find(depth, shown, allowed);
-    for (std::size_t m = 0; m < kMethods.size(); ++m) {
-      const Answer answer = found ? classify(index, *found, kMethods[m].method, 0) : Answer{};
-      tallies[m][object.right[0]].add(index, object, answer);
-    }
+    const SupportPlane support = evidence.naming ? supportIn(depth, segmenter) : SupportPlane{};
+    const auto answer =
+        found ? answerFor(index, {depth, shown, support}, *found, search, evidence.naming) : Result<Answer>(Answer{});
+    if (!answer.ok()) return answer.status;
+    all[object.right[0]].add(index, object, answer.value);
+    by_nearest[object.right[0]].add(index, object,
+                                    found ? classify(index, *found, ClassifyMethod::OneNn, 0) : Answer{});
   }
   Json row{{"descriptor", search.code().name}, {"mask", mask.first}, {"choice", choice.name}};
-  row.update(figuresOf(tallies[1]));
-  row["nearest"] = figuresOf(tallies[0]);
+  row.update(figuresOf(all));
+  row["nearest"] = figuresOf(by_nearest);
   row["nearest"].erase("objects");
-  row["classes"] = classesOf(tallies[1]);
+  row["classes"] = classesOf(all);
   return row;
 }
 
-void addRows(const Index& index, const SceneObjects& scenes, CodeSearch search, const std::vector<Choice>& choices,
-             const SizeTable* sizes, Json& rows) {
+Status addRows(const Index& index, const SceneObjects& scenes, CodeSearch search, const std::vector<Choice>& choices,
+               const Evidence& evidence, Json& rows) {
   for (const auto& mask : kMasks) {
-    for (const Choice& choice : choices) rows.push_back(rowOf(index, scenes, search, mask, choice, sizes));
+    for (const Choice& choice : choices) {
+      auto row = rowOf(index, scenes, search, mask, choice, evidence);
+      if (!row.ok()) return row.status;
+      rows.push_back(std::move(row.value));
+    }
   }
+  return {};
 }
 
 /// The index's own descriptor on all its views.
-void addOwnRows(const Index& index, const SceneObjects& scenes, const std::vector<Choice>& choices,
-                const SizeTable* sizes, Json& rows) {
+Status addOwnRows(const Index& index, const SceneObjects& scenes, const std::vector<Choice>& choices,
+                  const Evidence& evidence, Json& rows) {
   const auto code = ownCode(index);
   std::vector<std::uint32_t> views(index.viewCount());
   std::iota(views.begin(), views.end(), 0u);
   const auto code_at = [&](std::size_t view) { return index.code(static_cast<std::uint32_t>(view)); };
-  addRows(index, scenes, CodeSearch(index, *code, views, code_at), choices, sizes, rows);
+  return addRows(index, scenes, CodeSearch(index, *code, views, code_at), choices, evidence, rows);
 }
 
 /// Every compared descriptor on the same views.
@@ -163,8 +197,9 @@ Status addComparedRows(const Index& index, const SceneObjects& scenes, const Com
   if (!compared.ok()) return compared.status;
   const auto codes = comparedCodes(index);
   for (std::size_t i = 0; i < codes.size(); ++i) {
-    addRows(index, scenes, CodeSearch(index, *codes[i], compared.value.views, compared.value.codesOf(i)), choices,
-            sizes, rows);
+    const Status status = addRows(
+        index, scenes, CodeSearch(index, *codes[i], compared.value.views, compared.value.codesOf(i)), choices, {sizes}, rows);
+    if (!status.ok()) return status;
   }
   return {};
 }
@@ -189,11 +224,12 @@ Result<Json> evaluateScenes(const std::shared_ptr<const Index>& index, const Sce
   json["rows"] = Json::array();
   const SizeTable table(*index);
   const SizeTable* const sizes = options.evidence.size() ? &table : nullptr;
-  if (!options.comparing) {
-    addOwnRows(*index, scenes.value, choices.value, sizes, json["rows"]);
-    return json;
-  }
-  const Status status = addComparedRows(*index, scenes.value, options.compare, choices.value, sizes, json["rows"]);
+  std::optional<AlignedNaming> naming;
+  if (options.evidence.align()) naming.emplace(index, options.models);
+  const Status status =
+      options.comparing
+          ? addComparedRows(*index, scenes.value, options.compare, choices.value, sizes, json["rows"])
+          : addOwnRows(*index, scenes.value, choices.value, {sizes, naming ? &*naming : nullptr}, json["rows"]);
   if (!status.ok()) return status;
   return json;
 }

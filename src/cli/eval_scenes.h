@@ -7,7 +7,7 @@
 
 #include "compare.h"
 #include "scene_json.h"
-#include "size_evidence.h"
+#include "evidence.h"
 #include "voxid/core/index.h"
 
 namespace voxid::cli {
@@ -17,6 +17,7 @@ struct SceneOptions {
   std::string categories;  ///< a file: the categories that may be answers, one a line; empty: all only
   std::string aliases;     ///< a file; empty: voxid's own
   EvidenceChoice evidence;  ///< what counts beside the codes
+  std::string models;       ///< the folder that the index was made from; for evidence that needs it
   bool comparing = false;  ///< with ESF, on the views that `compare` says
   CompareOptions compare;
 };

@@ -28,6 +28,8 @@ class CodeSearch {
   const Nearest* find(const DepthView& depth, Span<const std::uint32_t> pixels, const AllowedCategories& allowed = {});
 
   const ViewCode& code() const { return code_; }
+  /// The code of the pixels of the last find.
+  const std::uint8_t* query() const { return query_.data(); }
 
  private:
   std::uint32_t categoryOf(std::uint32_t view) const { return index_.models()[index_.modelOf(view)].category; }

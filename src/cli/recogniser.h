@@ -40,6 +40,8 @@ class Recogniser {
   Answer recognise(const DepthView& depth, Span<const std::uint32_t> pixels, ClassifyMethod method,
                    int min_score_permille);
 
+  /// The code of the object of the last call.
+  const std::uint8_t* code() const { return code_.data(); }
   const Index& index() const { return *index_; }
 
  private:

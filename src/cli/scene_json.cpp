@@ -21,19 +21,6 @@ Json jsonOf(const Eigen::Vector3f& p) { return Json::array({rounded(p.x()), roun
 
 bool hasTable(const Scene& scene) { return scene.table.distance_m > 0; }
 
-cv::Scalar colourOf(int id) {
-  constexpr std::array<std::array<int, 3>, 8> kBgr = {{{60, 60, 230},
-                                                       {70, 190, 70},
-                                                       {230, 120, 40},
-                                                       {40, 200, 230},
-                                                       {210, 70, 190},
-                                                       {220, 200, 50},
-                                                       {50, 130, 250},
-                                                       {180, 110, 110}}};
-  const auto& c = kBgr[static_cast<std::size_t>(std::max(id, 1) - 1) % kBgr.size()];
-  return {static_cast<double>(c[0]), static_cast<double>(c[1]), static_cast<double>(c[2])};
-}
-
 /// Inverse depth between the image's nearest and farthest, as noise and detail go with it.
 cv::Mat greyOf(const DepthView& depth) {
   cv::Mat inverse(depth.height_px, depth.width_px, CV_32F);
@@ -119,6 +106,19 @@ void drawLeftOut(const LeftOut& cluster, cv::Mat& picture) {
 }
 
 }  // namespace
+
+cv::Scalar colourOf(int id) {
+  constexpr std::array<std::array<int, 3>, 8> kBgr = {{{60, 60, 230},
+                                                       {70, 190, 70},
+                                                       {230, 120, 40},
+                                                       {40, 200, 230},
+                                                       {210, 70, 190},
+                                                       {220, 200, 50},
+                                                       {50, 130, 250},
+                                                       {180, 110, 110}}};
+  const auto& c = kBgr[static_cast<std::size_t>(std::max(id, 1) - 1) % kBgr.size()];
+  return {static_cast<double>(c[0]), static_cast<double>(c[1]), static_cast<double>(c[2])};
+}
 
 Json toJson(const Table& table) {
   Json j;

@@ -31,6 +31,9 @@ cv::Mat labelImage(const Scene& scene, int width_px, int height_px);
 /// be.
 Status writeLabels(const std::string& folder, const std::string& input, const cv::Mat& labels);
 
+/// The colour of an object's pixels, box and caption; BGR.
+cv::Scalar colourOf(int id);
+
 /// CV_8UC3: depth in grey (near is bright), the table's outline, each object's pixels and boxes in a colour of its own
 /// and its caption above. `captions` by cluster; missing ones are the id.
 cv::Mat drawScene(const DepthView& depth, const Scene& scene, const std::vector<std::string>& captions = {});

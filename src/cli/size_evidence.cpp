@@ -36,15 +36,6 @@ double spreadAlong(const Eigen::Vector3d& direction, const std::vector<Eigen::Ve
 
 }  // namespace
 
-void EvidenceChoice::addTo(CLI::App& app) {
-  app.add_option("--evidence", names, "What counts beside the codes, a comma list: size (metric extents)")
-      ->type_name("LIST")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"size"}));
-}
-
-bool EvidenceChoice::size() const { return std::find(names.begin(), names.end(), "size") != names.end(); }
-
 double longestExtent_mm(const DepthView& depth, Span<const std::uint32_t> pixels) {
   constexpr int kDirections = 128;
   constexpr double kUmPerMm = 1000;

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What else than shape speaks for a category: --evidence.
+// What size says about a category.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "nearest_codes.h"
@@ -12,14 +10,6 @@
 #include "voxid/core/index.h"
 
 namespace voxid::cli {
-
-/// A comma list of what counts beside the codes, as an option.
-struct EvidenceChoice {
-  std::vector<std::string> names;
-
-  void addTo(CLI::App& app);  ///< --evidence
-  bool size() const;
-};
 
 /// The longest visible extent of an object, in millimetres: over 128 directions the largest spread of its points, the
 /// outermost 0.3 % at either end left out. 0 if no pixel has depth.

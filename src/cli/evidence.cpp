@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "evidence.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace voxid::cli {
+namespace {
+
+bool contains(const std::vector<std::string>& names, const char* name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::vector<std::uint32_t> allViews(const Index& index) {
+  std::vector<std::uint32_t> views(index.viewCount());
+  std::iota(views.begin(), views.end(), 0u);
+  return views;
+}
+
+}  // namespace
+
+void EvidenceChoice::addTo(CLI::App& app) {
+  app.add_option("--evidence", names,
+                 "What counts beside the codes, a comma list: size (metric extents), align (how well models fit)")
+      ->type_name("LIST")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"size", "align"}));
+}
+
+bool EvidenceChoice::size() const { return contains(names, "size"); }
+bool EvidenceChoice::align() const { return contains(names, "align"); }
+
+Status EvidenceChoice::check(const std::string& models) const {
+  if (!align() || !models.empty()) return {};
+  return Status::badUse("--evidence align needs --models DIR, the folder that the index was made from");
+}
+
+EvidenceRecogniser::EvidenceRecogniser(std::shared_ptr<const Index> index, const SearchChoice& search,
+                                       const EvidenceChoice& evidence, const std::string& models)
+    : evidence_(evidence), recogniser_(index, search) {
+  if (evidence.size()) {
+    sizes_.emplace(*index);
+    view_code_ = ownCode(*index);
+    const auto code_at = [index](std::size_t view) { return index->code(static_cast<std::uint32_t>(view)); };
+    by_size_.emplace(*index, *view_code_, allViews(*index), code_at);
+  }
+  if (!models.empty()) naming_.emplace(index, models);
+}
+
+const Nearest* EvidenceRecogniser::nearest(const ObservedObject& object) {
+  last_candidates_.clear();
+  last_nearest_ = sizes_ ? by_size_->find(object.depth, object.pixels,
+                                          sizes_->allowed(longestExtent_mm(object.depth, object.pixels), {}))
+                         : recogniser_.nearest(object.depth, object.pixels);
+  return last_nearest_;
+}
+
+Result<std::vector<SketchedModel>> EvidenceRecogniser::candidates(const Nearest& nearest) {
+  return naming_->candidates(code(), nearest);
+}
+
+Result<Answer> EvidenceRecogniser::recognise(const ObservedObject& object, ClassifyMethod method,
+                                             int min_score_permille) {
+  const Nearest* const found = nearest(object);
+  if (found == nullptr) return Answer{};
+  if (!evidence_.align()) return classify(index(), *found, method, min_score_permille);
+  auto models = candidates(*found);
+  if (!models.ok()) return models.status;
+  last_candidates_ = std::move(models.value);
+  naming_->sketch(object, last_candidates_);
+  return naming_->name(*found, last_candidates_, min_score_permille);
+}
+
+Result<ObjectPose> EvidenceRecogniser::pose(const ObservedObject& object, std::uint32_t category) {
+  if (last_candidates_.empty() && last_nearest_ != nullptr) {
+    auto models = candidates(*last_nearest_);
+    if (!models.ok()) return models.status;
+    last_candidates_ = std::move(models.value);
+    naming_->sketch(object, last_candidates_);
+  }
+  const AlignedNaming::Posed posed = naming_->pose(last_candidates_, category);
+  if (posed.model == nullptr) return ObjectPose{};
+  return ObjectPose{fullNameOf(index(), posed.model->model), posed.model->shelved, posed.alignment};
+}
+
+}  // namespace voxid::cli

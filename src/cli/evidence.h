@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What counts beside the codes: --evidence.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "nearest_codes.h"
+#include "object_pose.h"
+#include "recogniser.h"
+#include "size_evidence.h"
+#include "voxid/library/aligned_naming.h"
+
+namespace voxid::cli {
+
+/// A comma list of evidence, as an option.
+struct EvidenceChoice {
+  std::vector<std::string> names;
+
+  void addTo(CLI::App& app);  ///< --evidence
+  bool size() const;          ///< metric extents
+  bool align() const;         ///< models, aligned
+  /// BadUse if models are to be aligned and there are none.
+  Status check(const std::string& models) const;
+};
+
+/// Names objects by their codes and by the chosen evidence. One object a thread.
+class EvidenceRecogniser {
+ public:
+  /// `models`: the folder that the index was made from; empty: poses are never asked for, nor evidence that needs them.
+  EvidenceRecogniser(std::shared_ptr<const Index> index, const SearchChoice& search, const EvidenceChoice& evidence,
+                     const std::string& models);
+
+  /// The nearest views, of categories that may have the object's size. Null if there is nothing to compare. Belongs to
+  /// the recogniser until its next call.
+  const Nearest* nearest(const ObservedObject& object);
+
+  /// The models to align with the object of the last nearest(). Reads them; what follows does not.
+  Result<std::vector<SketchedModel>> candidates(const Nearest& nearest);
+  AlignedNaming& naming() { return *naming_; }
+
+  /// The answer by all evidence. `count` is zero if there is nothing to compare.
+  Result<Answer> recognise(const ObservedObject& object, ClassifyMethod method, int min_score_permille);
+
+  /// Where the category's best model stands, `object` being that of the last recognise(). Fails if no model can be read.
+  Result<ObjectPose> pose(const ObservedObject& object, std::uint32_t category);
+
+  const Index& index() const { return recogniser_.index(); }
+
+ private:
+  const std::uint8_t* code() const { return sizes_ ? by_size_->query() : recogniser_.code(); }
+
+  EvidenceChoice evidence_;
+  Recogniser recogniser_;
+  std::optional<SizeTable> sizes_;
+  std::unique_ptr<ViewCode> view_code_;  // with sizes_
+  std::optional<CodeSearch> by_size_;    // with sizes_: among the categories that fit
+  std::optional<AlignedNaming> naming_;
+  const Nearest* last_nearest_ = nullptr;
+  std::vector<SketchedModel> last_candidates_;
+};
+
+}  // namespace voxid::cli
