@@ -47,6 +47,20 @@ void printRow(const Json& row) {
   std::printf("\n");
 }
 
+std::string percentText(const Json& share) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f %%", share.is_null() ? 0.0 : share.get<double>());
+  return text;
+}
+
+void printLevels(const Json& levels) {
+  std::printf("by vote, as synsets: top-1 %s; a synset is told of %s, rightly of %s of them; of %s its category is wrong, and "
+              "of %s of these the synset is right\n",
+              percentText(levels["synset_top1"]).c_str(), percentText(levels["told"]).c_str(),
+              percentText(levels["told_right"]).c_str(), percentText(levels["told_but_category_wrong"]).c_str(),
+              percentText(levels["right_of_these"]).c_str());
+}
+
 void printTable(const Json& result) {
   std::printf("%zu queries; accuracies in %%, top-1 with its 95 %% interval over the models",
               result["queries"].get<std::size_t>());
@@ -57,6 +71,7 @@ void printTable(const Json& result) {
               "us/query", "bytes/view");
   std::printf(result.contains("every") ? " %10s\n" : "\n", "minus esf");
   for (const Json& row : result["rows"]) printRow(row);
+  if (result.contains("levels") && !result["levels"].is_null()) printLevels(result["levels"]);
 }
 
 void print(const Options& options, const Json& result) {

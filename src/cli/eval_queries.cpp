@@ -3,6 +3,8 @@
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
+#include <map>
 #include <mutex>
 #include <thread>
 
@@ -120,6 +122,47 @@ Json alignedRow(const Index& index, const std::vector<Query>& queries, const All
   return row;
 }
 
+/// By category, its path of hypernyms between slashes: "/entity.n.01/.../mug.n.04/".
+std::map<std::string, std::string> pathsOf(const Index& index) {
+  std::map<std::string, std::string> paths;
+  for (std::uint32_t i = 0; i < index.categories().size; ++i) {
+    const std::string_view path = index.hypernymsOf(i);
+    if (!path.empty()) paths[std::string(index.categoryName(i))] = "/" + std::string(path) + "/";
+  }
+  return paths;
+}
+
+bool oneHoldsTheOther(const std::string& a, const std::string& b) {
+  return !a.empty() && !b.empty() && (a.rfind(b, 0) == 0 || b.rfind(a, 0) == 0);
+}
+
+/// What answers are worth as synsets instead of categories.
+Json levelsOf(const Index& index, const std::vector<Query>& queries, const std::vector<Outcome>& outcomes) {
+  auto paths = pathsOf(index);
+  if (paths.empty()) return nullptr;
+  int same = 0, told = 0, right = 0, mistaken = 0, saved = 0;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const Outcome& outcome = outcomes[i];
+    const std::string &truth = paths[queries[i].category], &answer = paths[outcome.label];
+    const bool holds = !outcome.coarse.empty() && truth.find("/" + outcome.coarse + "/") != std::string::npos;
+    const bool wrong = outcome.label != queries[i].category;
+    same += !wrong || oneHoldsTheOther(truth, answer);
+    told += !outcome.coarse.empty();
+    right += holds;
+    mistaken += wrong && !outcome.coarse.empty();
+    saved += wrong && holds;
+  }
+  const auto share = [](int part, int whole) {
+    return whole == 0 ? Json(nullptr) : Json(std::round(10000.0 * part / whole) / 100);
+  };
+  const int all = static_cast<int>(queries.size());
+  return {{"synset_top1", share(same, all)},
+          {"told", share(told, all)},
+          {"told_right", share(right, told)},
+          {"told_but_category_wrong", share(mistaken, all)},
+          {"right_of_these", share(saved, mistaken)}};
+}
+
 Json resultOf(const Index& index, const std::vector<Query>& queries, const AllOutcomes& outcomes) {
   Json json;
   json["queries"] = queries.size();
@@ -129,6 +172,7 @@ Json resultOf(const Index& index, const std::vector<Query>& queries, const AllOu
         rowOf(index.parameters().profile, kMethods[m].name, figuresOf(queries, outcomes.by_method[m]), bytesPerView(index)));
   }
   if (!outcomes.aligned.empty()) json["rows"].push_back(alignedRow(index, queries, outcomes));
+  json["levels"] = levelsOf(index, queries, outcomes.by_method.back());
   return json;
 }
 

@@ -9,6 +9,8 @@
 #include <random>
 #include <set>
 
+#include "voxid/core/coarse.h"
+
 namespace voxid::cli {
 namespace {
 
@@ -131,6 +133,7 @@ Outcome outcomeOf(const Index& index, const Answer& answer, const std::string& c
     if (i == 0) outcome.label = std::string(label);
     outcome.in_five |= label == category;
   }
+  outcome.coarse = coarseAnswer(index, answer).synset;
   return outcome;
 }
 

@@ -17,6 +17,7 @@ namespace voxid::cli {
 struct Outcome {
   std::string label;     ///< the first category; empty if nothing could be compared
   bool in_five = false;  ///< the right category is among the first five
+  std::string coarse;    ///< the synset that can be told (coarse.h); empty if none
   double seconds = 0;    ///< describing, searching and ranking
 };
 

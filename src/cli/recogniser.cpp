@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recogniser.h"
 
+#include "voxid/core/coarse.h"
+
 namespace voxid::cli {
 namespace {
 
@@ -83,6 +85,9 @@ void addAnswer(const Index& index, const Answer& answer, Json& object) {
   for (int i = 0; i < answer.count; ++i) {
     object["alternatives"].push_back(jsonOf(index, answer.alternatives[static_cast<std::size_t>(i)]));
   }
+  const CoarseAnswer coarse = coarseAnswer(index, answer);
+  object["coarse"] = std::string(coarse.synset);
+  object["coarse_score"] = shareOf(coarse.score_permille);
   object["model"] = "";
   object["view"] = nullptr;
   if (answer.count == 0) return;

@@ -54,7 +54,8 @@ class Recogniser {
 /// All pixels with depth, ascending: the object of an image that shows nothing else.
 std::vector<std::uint32_t> setPixels(const DepthView& depth);
 
-/// Adds label (empty if not known), score, alternatives (label, score, distance; best first), model, view (number of
+/// Adds label (empty if not known), score, alternatives (label, score, distance; best first), coarse (the synset that can be
+/// told, empty if none) and its coarse_score, model, view (number of
 /// its direction, 0 to 79) to `object`; model is empty and view null if nothing was compared.
 void addAnswer(const Index& index, const Answer& answer, Json& object);
 

@@ -219,6 +219,7 @@ Status Index::locate() {
   strings_ = find.any<char>("STRS");
   calibration_ = find.exactly<format::Calibration>("CALB", 1).data;
   if (find.has("SYNS")) senses_ = find.exactly<std::uint32_t>("SYNS", h.categories);
+  if (find.has("HYPR")) hypernyms_ = find.exactly<std::uint32_t>("HYPR", h.categories);
   if (find.has("CONF")) confidence_ = find.exactly<format::Confidence>("CONF", 1).data;
   if (!find.complaint().empty()) return damaged(path_, find.complaint());
   if (strings_.empty() || strings_[0] != 0 || strings_[strings_.size - 1] != 0) {

@@ -59,13 +59,13 @@ bool ascends(const Index& index, std::uint32_t name, std::string_view previous) 
 
 bool stringExists(const Index& index, std::uint32_t offset) { return offset == 0 || !index.string(offset).empty(); }
 
-// A section SYNS has a text for the offset that it names.
-bool senseIsSound(const Index& index, std::uint32_t category) {
+// A section of one offset a category (SYNS, HYPR) has the text that it names.
+bool hasText(const Index& index, const char* tag, std::uint32_t category, std::string_view text) {
   for (const format::Section& section : index.sections()) {
-    if (tagOf(section) != "SYNS") continue;
+    if (tagOf(section) != tag) continue;
     std::uint32_t offset = 0;
     std::memcpy(&offset, index.file().data + section.offset + category * sizeof offset, sizeof offset);
-    return offset == 0 || !index.senseOf(category).empty();
+    return offset == 0 || !text.empty();
   }
   return true;
 }
@@ -77,7 +77,8 @@ Fault checkCategories(const Index& index) {
     const format::Category& category = index.categories()[i];
     if (!ascends(index, category.name, previous)) return at("names do not ascend at category", i);
     if (category.first_model != next_model || category.models == 0) return at("wrong models in category", i);
-    if (!senseIsSound(index, i)) return at("wrong sense of category", i);
+    if (!hasText(index, "SYNS", i, index.senseOf(i))) return at("wrong sense of category", i);
+    if (!hasText(index, "HYPR", i, index.hypernymsOf(i))) return at("wrong hypernyms of category", i);
     previous = index.string(category.name);
     next_model += category.models;
   }

@@ -138,7 +138,7 @@ class Builder {
       refused_[static_cast<int>(number)] = shard.value.refusal;
       return {};
     }
-    ModelRecord model{file.category, file.name, file.licence, file.origin, file.synset, std::move(shard.value.views), file.sense};
+    ModelRecord model{file.category, file.name, file.licence, file.origin, file.synset, std::move(shard.value.views), file.sense, file.hypernyms};
     if (options_.profile.projection) shrinkToMean(codesIn(model.views), options_.profile.codeBytes());
     report_.views += static_cast<int>(model.views.size());
     taught_.insert(file.category);

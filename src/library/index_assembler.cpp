@@ -36,7 +36,8 @@ std::string faultOfViews(const ModelRecord& model, std::size_t directions, std::
 
 std::string faultOfTexts(const ModelRecord& model) {
   if (model.category.empty() || model.name.empty()) return "has an empty category or name";
-  for (const std::string* const text : {&model.category, &model.name, &model.licence, &model.origin, &model.sense}) {
+  for (const std::string* const text :
+       {&model.category, &model.name, &model.licence, &model.origin, &model.sense, &model.hypernyms}) {
     if (hasNul(*text)) return "has a NUL in a text";
   }
   return {};
@@ -49,6 +50,7 @@ std::string faultOfOrder(const ModelRecord& model, const ModelRecord& before) {
   if (before.name == model.name) return "is there twice";
   if (before.sense != model.sense) return "has another sense than the rest of its category";
   if (before.synset != model.synset) return "has another synset than the rest of its category";
+  if (before.hypernyms != model.hypernyms) return "has other hypernyms than the rest of its category";
   return {};
 }
 
@@ -74,7 +76,7 @@ T withZeros(T entry) {
 
 /// All but the views: what the next model is compared with.
 ModelRecord headOf(const ModelRecord& model) {
-  return {model.category, model.name, model.licence, model.origin, model.synset, {}, model.sense};
+  return {model.category, model.name, model.licence, model.origin, model.synset, {}, model.sense, model.hypernyms};
 }
 
 }  // namespace
@@ -98,8 +100,8 @@ struct IndexAssembler::Parts {
   Spool models{path}, views{path}, codes{path}, means{path};  // MODL, VIEW or VIE4, CODE, MEAN
   BucketSpool buckets{path};
   std::vector<format::Category> categories;
-  std::vector<std::string> category_senses;
-  std::vector<std::uint32_t> senses;  // SYNS; empty if no category has one
+  std::vector<std::string> category_senses, category_hypernyms;
+  std::vector<std::uint32_t> senses, hypernyms;  // SYNS, HYPR; empty if no category has one
   StringTable strings;
   CodeMean mean;  // of the last category
   ModelRecord last;
@@ -111,6 +113,7 @@ struct IndexAssembler::Parts {
   void beginCategory(const ModelRecord& model);
   void endCategory();
   void addEntry(const ModelRecord& model);
+  std::vector<std::uint32_t> offsetsOf(const std::vector<std::string>& texts);
   void addView(const ViewRecord& view);
 };
 
@@ -133,6 +136,7 @@ void IndexAssembler::Parts::beginCategory(const ModelRecord& model) {
   endCategory();
   categories.push_back({strings.add(model.category), model.synset, model_count, 0});
   category_senses.push_back(model.sense);
+  category_hypernyms.push_back(model.hypernyms);
 }
 
 void IndexAssembler::Parts::endCategory() {
@@ -175,14 +179,20 @@ void IndexAssembler::Parts::addView(const ViewRecord& view) {
   ++view_count;
 }
 
-// Senses stand behind all other texts: what has none keeps its bytes.
+std::vector<std::uint32_t> IndexAssembler::Parts::offsetsOf(const std::vector<std::string>& texts) {
+  std::vector<std::uint32_t> offsets;
+  if (std::all_of(texts.begin(), texts.end(), [](const std::string& text) { return text.empty(); })) return offsets;
+  for (const std::string& text : texts) offsets.push_back(strings.add(text));
+  return offsets;
+}
+
+// These stand behind all other texts: what has none keeps its bytes.
 void IndexAssembler::Parts::close() {
   if (std::exchange(closed, true)) return;
   endCategory();
   buckets.finish();
-  const auto empty = [](const std::string& sense) { return sense.empty(); };
-  if (std::all_of(category_senses.begin(), category_senses.end(), empty)) return;
-  for (const std::string& sense : category_senses) senses.push_back(strings.add(sense));
+  senses = offsetsOf(category_senses);
+  hypernyms = offsetsOf(category_hypernyms);
 }
 
 int IndexAssembler::Parts::error() const {
@@ -200,6 +210,7 @@ format::Header IndexAssembler::Parts::header(const format::Parameters& parameter
   header.major = format::kMajor;
   header.minor = profile.projection ? format::kMinor : std::uint16_t{0};
   if (!senses.empty()) header.minor = std::max(header.minor, format::kMinorSenses);
+  if (!hypernyms.empty()) header.minor = std::max(header.minor, format::kMinorHypernyms);
   header.header_bytes = sizeof header;
   header.categories = static_cast<std::uint32_t>(categories.size());
   header.models = model_count;
@@ -215,6 +226,7 @@ void IndexAssembler::Parts::writeSections(FileBeside& file, const format::Calibr
   if (profile.projection)
     tags = {"PARM", "CATS", "MODL", "DIRS", "VIE4", "PROJ", "CODE", "MEAN", "KEYS", "BKTO", "BKTV", "STRS", "CALB"};
   if (!senses.empty()) tags.push_back("SYNS");
+  if (!hypernyms.empty()) tags.push_back("HYPR");
   if (confidence) tags.push_back("CONF");
 
   const format::Parameters parameters = parametersOf(profile);
@@ -237,6 +249,7 @@ void IndexAssembler::Parts::writeSections(FileBeside& file, const format::Calibr
   out.section(strings.bytes().data(), strings.bytes().size());
   out.section(&curve, sizeof curve);
   if (!senses.empty()) out.section(senses);
+  if (!hypernyms.empty()) out.section(hypernyms);
   if (confidence) {
     const format::Confidence entry = withZeros(*confidence);
     out.section(&entry, sizeof entry);

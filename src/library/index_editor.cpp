@@ -53,7 +53,7 @@ Result<Source> soundSource(const std::string& path, const std::string& place) {
 
 struct Synset {
   std::uint32_t offset = 0;
-  std::string sense;
+  std::string sense, hypernyms;
 };
 /// Each category's synset, where it has one.
 using Synsets = std::map<std::string, Synset>;
@@ -62,9 +62,11 @@ Status addSynsets(Synsets& synsets, const Index& index) {
   for (std::uint32_t i = 0; i < index.categories().size; ++i) {
     const std::uint32_t offset = index.categories()[i].synset;
     if (offset == 0) continue;
-    const std::string category(index.categoryName(i)), sense(index.senseOf(i));
-    Synset& known = synsets.emplace(category, Synset{offset, sense}).first->second;
-    if (known.sense.empty()) known.sense = sense;
+    const std::string category(index.categoryName(i));
+    const Synset own{offset, std::string(index.senseOf(i)), std::string(index.hypernymsOf(i))};
+    Synset& known = synsets.emplace(category, own).first->second;
+    if (known.sense.empty()) known.sense = own.sense;
+    if (known.hypernyms.empty()) known.hypernyms = own.hypernyms;
     if (known.offset != offset) {
       return Status::cannotDo("category " + category + " has the synsets " + std::to_string(known.offset) + " and " +
                               std::to_string(offset) + "; give one of the two another name");
@@ -128,6 +130,7 @@ class Merge {
       const Synset synset = known == synsets.end() ? Synset{} : known->second;
       model.value.synset = synset.offset;
       model.value.sense = synset.sense;
+      model.value.hypernyms = synset.hypernyms;
       const Status status = whole.add(model.value);
       if (!status.ok()) return status;
     }

@@ -66,7 +66,8 @@ Result<ModelRecord> readModel(const Index& index, std::uint32_t number) {
                      text(model.origin),
                      category.synset,
                      {},
-                     std::string(index.senseOf(model.category))};
+                     std::string(index.senseOf(model.category)),
+                     std::string(index.hypernymsOf(model.category))};
   record.views.reserve(model.views);
   for (std::uint32_t i = 0; i < model.views; ++i) record.views.push_back(viewRecord(index, model.first_view + i));
   return record;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "synset_table.h"
 #include "voxid/library/mesh_reader.h"
 
 namespace voxid {
@@ -74,6 +75,18 @@ std::string originOf(const json& note) {
   return origin;
 }
 
+/// "coarser" lists them by name, the nearest first. Libraries of before listed offsets.
+std::string hypernymsOf(const json& note, const std::string& sense) {
+  const auto found = note.find("coarser");
+  if (sense.empty() || found == note.end() || !found->is_array()) return {};
+  std::string path = sense;
+  for (const json& wider : *found) {
+    if (!wider.is_string() || wider.get<std::string>().find('.') == std::string::npos) return {};
+    path = wider.get<std::string>() + "/" + path;
+  }
+  return path;
+}
+
 void apply(const json& note, ModelFile& model) {
   if (!note.is_object()) return;
   const std::string licence = textOf(note, "licence"), origin = originOf(note);
@@ -82,6 +95,7 @@ void apply(const json& note, ModelFile& model) {
   if (const std::uint32_t synset = synsetOf(note)) {
     model.synset = synset;
     model.sense = textOf(note, "sense");
+    model.hypernyms = hypernymsOf(note, model.sense);
   }
 }
 
@@ -101,16 +115,25 @@ Status readNotes(const fs::path& root, ModelFolder& folder) {
   return {};
 }
 
+/// What is not said, from the table.
+KnownSynset completed(const std::string& category, KnownSynset synset) {
+  if (synset.offset == 0) synset = synsetOfCategory(category);
+  if (synset.sense.empty()) synset.sense = senseOfOffset(synset.offset);
+  if (synset.hypernyms.empty()) synset.hypernyms = hypernymPath(synset.sense);
+  return synset;
+}
+
 /// A category has one synset: the first that one of its models names.
 void shareSynsets(ModelFolder& folder) {
   for (auto first = folder.models.begin(); first != folder.models.end();) {
     const auto last = std::find_if(first, folder.models.end(), [&](const ModelFile& m) { return m.category != first->category; });
     const auto named = std::find_if(first, last, [](const ModelFile& m) { return m.synset != 0; });
-    const std::uint32_t synset = named == last ? 0 : named->synset;
-    const std::string sense = named == last ? std::string() : named->sense;
+    const KnownSynset own = named == last ? KnownSynset{} : KnownSynset{named->synset, named->sense, named->hypernyms};
+    const KnownSynset synset = completed(first->category, own);
     for (; first != last; ++first) {
-      first->synset = synset;
-      first->sense = sense;
+      first->synset = synset.offset;
+      first->sense = synset.sense;
+      first->hypernyms = synset.hypernyms;
     }
   }
 }

@@ -16,7 +16,8 @@ struct ModelFile {
   std::string path;
   std::string licence, origin;
   std::uint32_t synset = 0;
-  std::string sense;  ///< of the category: the synset's name in NLTK's form
+  std::string sense;      ///< of the category: the synset's name in NLTK's form
+  std::string hypernyms;  ///< of the category: from WordNet's root to the synset, as Index::hypernymsOf
   std::string clash;  ///< not empty: another file of this name was there before
 };
 
@@ -25,6 +26,7 @@ struct ModelFolder {
   std::vector<std::string> categories;  ///< every folder, by name
 };
 
+/// Synsets are those of library.json, else of voxid's own table of categories.
 Result<ModelFolder> listModels(const std::string& folder);
 
 }  // namespace voxid

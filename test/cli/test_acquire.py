@@ -2,6 +2,7 @@
 """voxid acquire and library."""
 import json
 import pathlib
+import subprocess
 import sys
 
 import pytest
@@ -42,6 +43,11 @@ def test_table_agrees_with_wordnet(wordnet):
     wrong = [category for category, (name, offset) in TABLE["categories"].items()
              if wordnet.synset(name).offset() != offset or wordnet.synset(name).pos() != "n"]
     assert wrong == []
+
+
+def test_hypernyms_follow_from_the_table_and_wordnet(wordnet):
+    done = subprocess.run(["/usr/bin/python3", ROOT / "scripts/generate_hypernyms", "--check"], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_table_has_the_papers_table_1_under_its_coarse_categories(wordnet):

@@ -175,6 +175,18 @@ def test_bad_use(voxid, models, out, tmp_path):
     voxid("build", "--models", models).refuses(2, "--out")
 
 
+def test_synsets_of_known_categories_come_from_the_shipped_table(voxid, out, tmp_path):
+    models = tmp_path / "models"
+    solids.write_ply(models / "mug" / "a.ply", solids.turned([(0.0, 0.0), (0.4, 0.0), (0.4, 1.0)]))
+    solids.write_ply(models / "widget" / "b.ply", solids.box(1, 1, 1))
+    assert build(voxid, models, out).code == 0
+    info = voxid("info", out, "--json", "--categories").json
+    assert info["version"] == "1.3"
+    named = {entry["name"]: (entry["synset"], entry["sense"]) for entry in info["category_list"]}
+    assert named == {"mug": (3797390, "mug.n.04"), "widget": (0, "")}
+    assert b"instrumentality.n.03/container.n.01/vessel.n.03/drinking_vessel.n.01/mug.n.04\0" in out.read_bytes()
+
+
 def test_licence_origin_and_synset_arrive_in_the_index(voxid, out, tmp_path):
     models = tmp_path / "models"
     solids.write_ply(models / "mug" / "a.ply", solids.turned([(0.0, 0.0), (0.4, 0.0), (0.4, 1.0)]))

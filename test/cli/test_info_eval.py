@@ -19,7 +19,7 @@ def test_info(voxid, index):
     assert (line["models"], line["views"], line["categories"]) == (7, 560, 6)
     assert line["bytes"] == index.stat().st_size
     assert line["bytes_per_view"] == pytest.approx(line["bytes"] / 560)
-    assert line["descriptor"] == "default" and line["version"] == "1.1" and line["code_bytes"] == 64
+    assert line["descriptor"] == "default" and line["version"] == "1.3" and line["code_bytes"] == 64
     assert line["seed"] == 1
     assert 0 < line["buckets"] <= 560
     assert sum(entry["models"] for entry in line["licences"]) == 7
@@ -33,7 +33,7 @@ def test_info(voxid, index):
 
 def test_info_of_the_papers_descriptor(voxid, paper_index):
     line = voxid("info", paper_index, "--json").json
-    assert line["descriptor"] == "paper" and line["version"] == "1.0" and line["code_bytes"] == 416
+    assert line["descriptor"] == "paper" and line["version"] == "1.3" and line["code_bytes"] == 416
     assert (line["pairs"], line["seed"]) == (10000, 1)
 
 
@@ -65,7 +65,9 @@ def test_every_takes_each_nth(voxid, index, queries):
 def test_the_table_has_a_row_a_method(voxid, index, queries, tmp_path):
     answer = voxid("eval", "--index", index, "--queries", queries, "--confusion", tmp_path / "c.png")
     assert (answer.code, answer.err) == (0, "")
-    assert [line.split()[:2] for line in answer.out.splitlines()[2:]] == [["default", "1nn"], ["default", "vote"]]
+    lines = answer.out.splitlines()
+    assert [line.split()[:2] for line in lines[2:4]] == [["default", "1nn"], ["default", "vote"]]
+    assert lines[4].startswith("by vote, as synsets: top-1 ") and len(lines) == 5
     assert "83.33" in answer.out
     picture = cv2.imread(str(tmp_path / "c.png"))
     assert picture.shape[0] == picture.shape[1] > 120

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The file of format 1.2 in profile "default", with all its sections. That of 1.0 is in index_writer_test.cpp.
+// The files of formats 1.2 and 1.3 in profile "default", with all their sections. That of 1.0 is in
+// index_writer_test.cpp.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -12,7 +13,6 @@ namespace {
 
 using test::readBytes;
 
-constexpr char kGolden[] = "test/data/golden/v1_2.vxi";
 constexpr std::uint32_t kBytes = 32, kLists = 5;
 
 ViewRecord viewOf(int direction, int turn) {
@@ -37,15 +37,27 @@ IndexContent goldenContent() {
   return content;
 }
 
+IndexContent goldenContent1_3() {
+  IndexContent content = goldenContent();
+  for (ModelRecord& model : content.models) {
+    if (!model.sense.empty()) model.hypernyms = "entity.n.01/container.n.01/" + model.sense;
+  }
+  return content;
+}
+
 // Kept for ever: the writer makes these bytes, every reader reads them. VOXID_WRITE_GOLDEN=1 writes the file.
-TEST(GoldenIndex, Version1_2IsWrittenAndRead) {
+std::shared_ptr<const Index> writtenAndRead(const IndexContent& content, const std::string& golden) {
   test::Folder folder;
-  const std::string path = std::getenv("VOXID_WRITE_GOLDEN") != nullptr ? kGolden : folder.file("x.vxi");
-  ASSERT_TRUE(writeIndex(goldenContent(), path).ok());
-  EXPECT_TRUE(readBytes(path) == readBytes(kGolden)) << "the bytes of " << kGolden << " changed";
-  const auto index = test::openGood(kGolden);
-  ASSERT_NE(index, nullptr);
+  const std::string path = std::getenv("VOXID_WRITE_GOLDEN") != nullptr ? golden : folder.file("x.vxi");
+  EXPECT_TRUE(writeIndex(content, path).ok());
+  EXPECT_TRUE(readBytes(path) == readBytes(golden)) << "the bytes of " << golden << " changed";
+  const auto index = test::openGood(golden);
   EXPECT_EQ(index->verify().sentence, "");
+  return index;
+}
+
+TEST(GoldenIndex, Version1_2IsWrittenAndRead) {
+  const auto index = writtenAndRead(goldenContent(), "test/data/golden/v1_2.vxi");
   EXPECT_EQ(index->header().minor, 2);
   EXPECT_EQ(index->modelName(2), "\xc3\xa4");
   EXPECT_EQ(index->senseOf(1), "mug.n.04");
@@ -57,9 +69,17 @@ TEST(GoldenIndex, Version1_2IsWrittenAndRead) {
   EXPECT_EQ(index->view(3).extents[1], 0x8080) << "its high byte, of 255";
 }
 
-TEST(GoldenIndex, AnyFlippedByteIsRefusedOrFound) {
+TEST(GoldenIndex, Version1_3IsWrittenAndRead) {
+  const auto index = writtenAndRead(goldenContent1_3(), "test/data/golden/v1_3.vxi");
+  EXPECT_EQ(index->header().minor, 3);
+  EXPECT_EQ(index->hypernymsOf(1), "entity.n.01/container.n.01/mug.n.04");
+  EXPECT_EQ(index->hypernymsOf(2), "");
+  EXPECT_EQ(index->senseOf(1), "mug.n.04");
+}
+
+void expectEachFlipFound(const std::string& golden) {
   test::Folder folder;
-  const std::string good = readBytes(kGolden), path = folder.file("x.vxi");
+  const std::string good = readBytes(golden), path = folder.file("x.vxi");
   const std::size_t projection = good.find(std::string(format::kProjectionMagic, 8));
   ASSERT_NE(projection, std::string::npos);
   const std::size_t projection_end = projection + 64 + kBytes * (kDepthBins + 8 + kLists) + 128;
@@ -71,6 +91,11 @@ TEST(GoldenIndex, AnyFlippedByteIsRefusedOrFound) {
     const auto index = Index::open(path);
     ASSERT_FALSE(index.ok() && index.value->verify().ok()) << "byte " << at;
   }
+}
+
+TEST(GoldenIndex, AnyFlippedByteIsRefusedOrFound) {
+  for (const char* const golden : {"test/data/golden/v1_2.vxi", "test/data/golden/v1_3.vxi"})
+    expectEachFlipFound(golden);
 }
 
 }  // namespace

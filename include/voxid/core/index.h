@@ -76,6 +76,10 @@ class Index {
   std::string_view senseOf(std::uint32_t category) const {
     return category < senses_.size ? string(senses_[category]) : std::string_view();
   }
+  /// The category's path from WordNet's root, its own synset last, joined by slashes; empty as above.
+  std::string_view hypernymsOf(std::uint32_t category) const {
+    return category < hypernyms_.size ? string(hypernyms_[category]) : std::string_view();
+  }
   std::string_view modelName(std::uint32_t model) const {
     return model < models_.size ? string(models_[model].name) : std::string_view();
   }
@@ -113,7 +117,7 @@ class Index {
   Span<const Key> keys_;
   Span<const std::uint32_t> bucket_offsets_, bucket_views_;
   Span<const char> strings_;
-  Span<const std::uint32_t> senses_;  // empty, or one a category
+  Span<const std::uint32_t> senses_, hypernyms_;  // empty, or one a category
 };
 
 /// What the descriptor's settings look like in a file; a query made with others is refused.

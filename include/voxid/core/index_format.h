@@ -12,6 +12,7 @@ constexpr std::uint16_t kMajor = 1;                                     ///< a r
 constexpr std::uint16_t kMinor = 1;                                     ///< of "default"; "paper" has 0
 constexpr std::uint16_t kMinorSenses = 2;                               ///< of files with SYNS, at least
 constexpr std::uint16_t kMinorConfidence = 2;                           ///< of files with CONF, at least
+constexpr std::uint16_t kMinorHypernyms = 3;                            ///< of files with HYPR, at least
 constexpr std::uint64_t kAlignment = 64;
 constexpr std::uint32_t kMaxSections = 64;
 
@@ -121,6 +122,10 @@ static_assert(sizeof(Calibration) == 128, "CALB is 128 bytes");
 
 /// SYNS, once, or not at all (no category has a sense, or made before format 1.2): 4 bytes a category, in the order of
 /// CATS: offset into STRS of the synset's name as NLTK writes it ("mug.n.04"), 0 = not known.
+
+/// HYPR, once, or not at all (no category has hypernyms, or made before format 1.3): 4 bytes a category, in the order of
+/// CATS: offset into STRS of the synset's path from WordNet's root, the synset itself last, joined by slashes
+/// ("entity.n.01/.../container.n.01/vessel.n.03/drinking_vessel.n.01/mug.n.04"), 0 = not known.
 
 /// CONF, once, or not at all (an index of few models, or made before format 1.2): how likely an answer is right, as a
 /// logistic function of voxid::ConfidenceFeatures, learnt from views of the index's own models, each asked for with its

@@ -191,7 +191,7 @@ def settle(library, category, synset, passed, dropped, numbers):
     if library.kept(category):
         library.notes[category] = {"synset": meaning.offset_of(synset), "sense": synset.name(),
                                    "gloss": synset.definition(),
-                                   "coarser": [meaning.offset_of(wider) for wider in meaning.coarser(synset)]}
+                                   "coarser": [wider.name() for wider in meaning.coarser(synset)]}
     library.save()
 
 
