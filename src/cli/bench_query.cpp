@@ -7,6 +7,7 @@
 #include "bench_search.h"
 #include "compare_codes.h"
 #include "voxid/core/search.h"
+#include "voxid/core/sketch.h"
 
 namespace voxid::cli {
 namespace {
@@ -76,20 +77,30 @@ std::vector<BenchQuery> queriesOf(const Index& index, const std::vector<BenchVie
   return queries;
 }
 
-/// Every view is compared: the truth that recall is counted against.
-Contender exactSearch(const std::shared_ptr<const Index>& index) {
+/// A search that nothing can be set of.
+Contender plainSearch(const char* name, double bytes_per_view, std::shared_ptr<Search> search) {
   Contender contender;
-  contender.name = "query/exact";
+  contender.name = name;
   contender.settings = {0};
-  contender.bytes_per_view = index->parameters().code_bytes;
-  const std::shared_ptr<Search> search = makeExactSearch(index);
+  contender.bytes_per_view = bytes_per_view;
   contender.prepare = [](int) {};
-  contender.find = [search](const std::uint8_t* code, std::vector<std::uint32_t>& ten) {
+  contender.find = [search = std::move(search)](const std::uint8_t* code, std::vector<std::uint32_t>& ten) {
     ten.clear();
     const Nearest& nearest = search->find(code);
     for (std::size_t i = 0; i < std::min(kTen, nearest.views.size); ++i) ten.push_back(nearest.views[i].view);
   };
   return contender;
+}
+
+/// Every view is compared: the truth that recall is counted against.
+Contender exactSearch(const std::shared_ptr<const Index>& index) {
+  return plainSearch("query/exact", index->parameters().code_bytes, makeExactSearch(index));
+}
+
+/// Exact, too.
+Contender sketchSearch(const std::shared_ptr<const Index>& index) {
+  return plainSearch("query/paper_sketch", static_cast<double>(kDescriptorBytes + kSketchBytes),
+                     makeSketchSearch(index));
 }
 
 /// The index's hash: the paper's key, or lists.
@@ -201,6 +212,7 @@ std::vector<Json> benchQueries(const std::shared_ptr<const Index>& index, const 
   const CodeDistance distance = distanceOf(*index);
   std::vector<Json> rows{scanRow(index->viewCount(), queries)};
   std::vector<Contender> contenders{exactSearch(index), hashSearch(index)};
+  if (!sketchesOf(*index).empty()) contenders.push_back(sketchSearch(index));
   for (Contender& peer : peersOf(*index, distance)) contenders.push_back(std::move(peer));
   const double scan_us = rows[0]["median_us"].get<double>();
   for (const Contender& contender : contenders) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -7,6 +8,7 @@
 #include "voxid/core/crc32c.h"
 #include "voxid/core/index.h"
 #include "voxid/core/refine.h"
+#include "voxid/core/sketch.h"
 
 namespace voxid {
 namespace {
@@ -167,6 +169,21 @@ Fault checkMeans(const Index& index) {
   return {};
 }
 
+Fault checkSketches(const Index& index) {
+  const auto isSketches = [](const format::Section& section) { return tagOf(section) == "SUMS"; };
+  const auto sections = std::count_if(index.sections().begin(), index.sections().end(), isSketches);
+  if (sections == 0) return {};
+  const Span<const std::uint8_t> sketches = sketchesOf(index);
+  if (sections > 1 || sketches.empty()) return "section SUMS does not hold one sketch a view";
+  for (std::uint32_t view = 0; view < index.viewCount(); ++view) {
+    std::array<std::uint8_t, kSketchBytes> expected;
+    sketchOf(index.code(view), expected.data());
+    if (!std::equal(expected.begin(), expected.end(), sketches.data + std::size_t{view} * kSketchBytes))
+      return at("wrong sketch of view", view);
+  }
+  return {};
+}
+
 Fault checkCalibration(const Index& index) {
   const format::Calibration& curve = index.calibration();
   const auto* const first = curve.score_permille;
@@ -186,7 +203,7 @@ Fault checkConfidence(const Index& index) {
 
 Status Index::verify() const {
   for (const auto check : {checkSums, checkPadding, checkCategories, checkModels, checkViews, checkBuckets, checkMeans,
-                           checkCalibration, checkConfidence}) {
+                           checkSketches, checkCalibration, checkConfidence}) {
     const Fault fault = check(*this);
     if (!fault.empty()) {
       return Status::damaged("the index " + path_ + " is damaged: " + fault +

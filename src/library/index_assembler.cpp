@@ -11,6 +11,7 @@
 #include "section_writer.h"
 #include "string_table.h"
 #include "voxid/core/refine.h"
+#include "voxid/core/sketch.h"
 
 namespace voxid {
 namespace {
@@ -97,7 +98,7 @@ struct IndexAssembler::Parts {
   const Profile profile;
   std::vector<format::Direction> directions;
   const std::string path;
-  Spool models{path}, views{path}, codes{path}, means{path};  // MODL, VIEW or VIE4, CODE, MEAN
+  Spool models{path}, views{path}, codes{path}, sketches{path}, means{path};  // MODL, VIEW or VIE4, CODE, SUMS, MEAN
   BucketSpool buckets{path};
   std::vector<format::Category> categories;
   std::vector<std::string> category_senses, category_hypernyms;
@@ -115,6 +116,8 @@ struct IndexAssembler::Parts {
   void addEntry(const ModelRecord& model);
   std::vector<std::uint32_t> offsetsOf(const std::vector<std::string>& texts);
   void addView(const ViewRecord& view);
+  void addSketch(const ViewRecord& view);
+  bool isSketched() const;
 };
 
 std::string IndexAssembler::Parts::add(const ModelRecord& model) {
@@ -175,9 +178,18 @@ void IndexAssembler::Parts::addView(const ViewRecord& view) {
     views.append(entry);
   }
   codes.append(view.code.data(), view.code.size());
+  if (!profile.projection) addSketch(view);
   buckets.add(bucketKeyOf(profile, view.code.data()), static_cast<std::uint32_t>(view_count));
   ++view_count;
 }
+
+void IndexAssembler::Parts::addSketch(const ViewRecord& view) {
+  std::array<std::uint8_t, kSketchBytes> sketch;
+  sketchOf(view.code.data(), sketch.data());
+  sketches.append(sketch.data(), sketch.size());
+}
+
+bool IndexAssembler::Parts::isSketched() const { return !profile.projection && view_count >= kSketchedViews; }
 
 std::vector<std::uint32_t> IndexAssembler::Parts::offsetsOf(const std::vector<std::string>& texts) {
   std::vector<std::uint32_t> offsets;
@@ -196,7 +208,7 @@ void IndexAssembler::Parts::close() {
 }
 
 int IndexAssembler::Parts::error() const {
-  for (const Spool* const spool : {&models, &views, &codes, &means}) {
+  for (const Spool* const spool : {&models, &views, &codes, &sketches, &means}) {
     if (spool->error() != 0) return spool->error();
   }
   return buckets.error();
@@ -211,6 +223,7 @@ format::Header IndexAssembler::Parts::header(const format::Parameters& parameter
   header.minor = profile.projection ? format::kMinor : std::uint16_t{0};
   if (!senses.empty()) header.minor = std::max(header.minor, format::kMinorSenses);
   if (!hypernyms.empty()) header.minor = std::max(header.minor, format::kMinorHypernyms);
+  if (isSketched()) header.minor = std::max(header.minor, kMinorSketch);
   header.header_bytes = sizeof header;
   header.categories = static_cast<std::uint32_t>(categories.size());
   header.models = model_count;
@@ -228,6 +241,7 @@ void IndexAssembler::Parts::writeSections(FileBeside& file, const format::Calibr
   if (!senses.empty()) tags.push_back("SYNS");
   if (!hypernyms.empty()) tags.push_back("HYPR");
   if (confidence) tags.push_back("CONF");
+  if (isSketched()) tags.push_back("SUMS");
 
   const format::Parameters parameters = parametersOf(profile);
   format::Header head = header(parameters);
@@ -254,6 +268,7 @@ void IndexAssembler::Parts::writeSections(FileBeside& file, const format::Calibr
     const format::Confidence entry = withZeros(*confidence);
     out.section(&entry, sizeof entry);
   }
+  if (isSketched()) out.section(sketches);
   out.finish(head);
 }
 

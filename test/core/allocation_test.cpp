@@ -12,6 +12,7 @@
 #include "voxid/core/classifier.h"
 #include "voxid/core/encoder.h"
 #include "voxid/core/search.h"
+#include "voxid/core/sketch.h"
 
 namespace {
 std::atomic<int> allocations{0};
@@ -84,9 +85,10 @@ TEST(Allocation, TheDefaultProfileTakesNone) {
 
 TEST(Allocation, FindAndClassifyTakeNone) {
   test::Folder folder;
-  const auto index = test::writtenIndex(folder, test::randomContent(30, 2, 8, 1));
-  const auto exact = makeExactSearch(index), lsh = makeLshSearch(index, 4);
-  for (Search* const search : {exact.get(), lsh.get()}) {
+  const auto index = test::writtenIndex(folder, test::randomContent(32, 4, 8, 1));
+  const auto exact = makeExactSearch(index), lsh = makeLshSearch(index, 4), sketch = makeSketchSearch(index);
+  ASSERT_FALSE(sketchesOf(*index).empty());
+  for (Search* const search : {exact.get(), lsh.get(), sketch.get()}) {
     EXPECT_EQ(allocationsIn([&] {
                 for (std::uint32_t view = 0; view < 20; ++view) {
                   const Nearest& nearest = search->find(index->code(view), view % 3);

@@ -140,4 +140,6 @@ struct Confidence {
 };
 static_assert(sizeof(Confidence) == 64, "CONF is 64 bytes");
 
+/// SUMS, once, or not at all (small, of "default", or made before format 1.4): voxid/core/sketch.h.
+
 }  // namespace voxid::format
