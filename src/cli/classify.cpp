@@ -168,9 +168,10 @@ Status writePictures(const Session& session, const DepthFile& file, const Scene&
   if (options.plot.empty()) return {};
   std::vector<std::string> captions;
   for (const Named& one : named) captions.push_back(captionOf(session.recogniser.index(), one.answer));
-  cv::Mat picture = drawScene(file.view(), scene, captions);
+  cv::Mat picture = drawScene(file.view(), scene);
   for (std::size_t i = 0; i < named.size(); ++i)
     drawPose(file.view(), named[i].pose, colourOf(scene.clusters[i].id), picture);
+  writeCaptions(scene, captions, picture);
   return writePlot(options, file.path, picture);
 }
 

@@ -174,7 +174,7 @@ Status writeLabels(const std::string& folder, const std::string& input, const cv
   return writeImage((fs::path(folder) / (fs::path(input).stem().string() + ".png")).string(), labels);
 }
 
-cv::Mat drawScene(const DepthView& depth, const Scene& scene, const std::vector<std::string>& captions) {
+cv::Mat drawScene(const DepthView& depth, const Scene& scene) {
   cv::Mat picture = greyOf(depth);
   if (hasTable(scene)) drawOutline(depth.camera, scene.table, picture);
   for (const LeftOut& cluster : scene.left_out) drawLeftOut(cluster, picture);
@@ -182,11 +182,14 @@ cv::Mat drawScene(const DepthView& depth, const Scene& scene, const std::vector<
     tint(cluster, picture);
     drawBox(depth.camera, cluster, picture);
   }
+  return picture;
+}
+
+void writeCaptions(const Scene& scene, const std::vector<std::string>& captions, cv::Mat& picture) {
   for (std::size_t i = 0; i < scene.clusters.size; ++i) {
     const Cluster& cluster = scene.clusters[i];
     writeCaption(cluster, i < captions.size() ? captions[i] : std::to_string(cluster.id), picture);
   }
-  return picture;
 }
 
 std::string plotPath(const std::string& path, const std::string& input, bool single) {

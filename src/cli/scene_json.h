@@ -34,9 +34,11 @@ Status writeLabels(const std::string& folder, const std::string& input, const cv
 /// The colour of an object's pixels, box and caption; BGR.
 cv::Scalar colourOf(int id);
 
-/// CV_8UC3: depth in grey (near is bright), the table's outline, each object's pixels and boxes in a colour of its own
-/// and its caption above. `captions` by cluster; missing ones are the id.
-cv::Mat drawScene(const DepthView& depth, const Scene& scene, const std::vector<std::string>& captions = {});
+/// CV_8UC3: depth in grey (near is bright), the table's outline, each object's pixels and boxes in a colour of its own.
+cv::Mat drawScene(const DepthView& depth, const Scene& scene);
+
+/// Above each object. `captions` by cluster; missing ones are the id.
+void writeCaptions(const Scene& scene, const std::vector<std::string>& captions, cv::Mat& picture);
 
 /// PATH for a single frame; with several, PATH with "-STEM" before its ending.
 std::string plotPath(const std::string& path, const std::string& input, bool single);

@@ -57,7 +57,9 @@ Status writePictures(const Options& options, const DepthFile& file, const Scene&
     if (!status.ok()) return status;
   }
   if (options.plot.empty()) return {};
-  return writeImage(plotPath(options.plot, file.path, options.files.size() == 1), drawScene(file.view(), scene));
+  cv::Mat picture = drawScene(file.view(), scene);
+  writeCaptions(scene, {}, picture);
+  return writeImage(plotPath(options.plot, file.path, options.files.size() == 1), picture);
 }
 
 Result<SceneStatus> segmentFile(const Options& options, const std::string& path, const SegmentParams& params,
