@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a grasp planner does with `objects`, as a plain ROS node: says where a gripper is to go for the nearest
-// graspable thing of a wanted label, and asks for its model's pose where the chain aligns on demand (align:=selected).
+// graspable thing of a wanted label (or coarser synset, "container.n.01", where no more is known), and asks for its
+// model's pose where the chain aligns on demand (align:=selected).
 //   rosrun voxid voxid_planner_node __ns:=/voxid [_label:=mug] [_opening:=0.08]
 #include <geometry_msgs/PoseStamped.h>
 #include <ros/ros.h>
@@ -62,7 +63,7 @@ class Planner {
   const voxid::Object* nearestGraspable(const voxid::Objects& objects) const {
     const voxid::Object* nearest = nullptr;
     for (const voxid::Object& object : objects.objects) {
-      const bool wanted = label_.empty() || object.label == label_;
+      const bool wanted = label_.empty() || object.label == label_ || object.coarse == label_;
       if (!wanted || object.truncated || object.extents_m.y > opening_m_) continue;
       if (!nearest || distanceOf(object) < distanceOf(*nearest)) nearest = &object;
     }

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "model_pose.h"
+#include "voxid/core/coarse.h"
 
 namespace voxid {
 namespace {
@@ -250,6 +251,9 @@ void fillAnswer(const Answer& answer, const Index& index, Object* object) {
   object->score = answer.score_permille / 1000.0f;
   object->distance = best.distance;
   object->margin = answer.margin_permille / 1000.0f;
+  const CoarseAnswer coarse = coarseAnswer(index, answer);
+  object->coarse = std::string(coarse.synset);
+  object->coarse_score = coarse.score_permille / 1000.0f;
   const format::View view = index.view(answer.alternatives[0].view);
   object->model = std::string(index.modelName(view.model));
   object->view = view.direction;

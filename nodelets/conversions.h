@@ -37,8 +37,8 @@ Eigen::Isometry3d eigenOf(const geometry_msgs::Transform& t);
 /// Unit, w not negative, so that equal rotations are equal numbers.
 geometry_msgs::Quaternion quaternionOf(const Eigen::Quaterniond& q);
 
-/// Pixels, boxes and table of one frame; `width_px` and `height_px` of the depth image. Replaces everything but the header and
-/// segment_ms; memory that the message has is used again.
+/// Pixels, boxes and table of one frame; `width_px` and `height_px` of the depth image. Replaces everything but the
+/// header and segment_ms; memory that the message has is used again.
 void fillSegments(const Scene& scene, int width_px, int height_px, Segments* message);
 
 /// Whether every pixel that the segments name lies in the image.
@@ -51,7 +51,7 @@ OrientedBox boxOf(const Segment& segment);
 /// Dimensions in the message's order: a box x, y, z; a cylinder height, radius.
 void fillShape(const Primitive& primitive, shape_msgs::SolidPrimitive* shape, geometry_msgs::Pose* pose);
 
-/// The answer of a search: label (empty unless known), score, margin, alternatives, model, view.
+/// The answer of a search: label (empty unless known), score, margin, alternatives, coarse, model, view.
 void fillAnswer(const Answer& answer, const Index& index, Object* object);
 
 /// Covariance of a box pose, row-major, position first, in the axes of the frame that the pose is in: the position is

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "conversions.h"
+#include "voxid/core/coarse.h"
 
 namespace voxid {
 namespace {
@@ -147,8 +148,11 @@ bool isThere(const Objects& objects, int id) {
 }  // namespace
 
 std::string captionOf(const Object& object) {
-  if (object.label.empty()) return "?";
-  return object.label + " " + std::to_string(std::lround(object.score * 100)) + " %";
+  const std::string coarse = wordsOf(object.coarse);
+  if (object.label.empty()) return coarse + "?";
+  const std::string label = object.label + " " + std::to_string(std::lround(object.score * 100)) + " %";
+  const bool says_more = object.coarse_score > object.score && coarse != object.label;
+  return says_more ? label + " (" + coarse + "?)" : label;
 }
 
 cv::Mat drawOverlay(const DepthView& depth, const Segments& segments, const Objects& objects) {

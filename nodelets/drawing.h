@@ -13,7 +13,8 @@
 
 namespace voxid {
 
-/// "mug 87 %"; "?" for an unknown one.
+/// "mug 87 %"; "mug 45 % (container?)" where more can be said of the coarser thing; "container?" or "?" for an unknown
+/// one.
 std::string captionOf(const Object& object);
 
 /// The depth image in grey, near things bright, with every object in its colour, its box and its caption, the table's

@@ -88,6 +88,8 @@ object_t toLcm(const Object& object) {
   out.distance = object.distance;
   out.margin = object.margin;
   setAlternatives(object, kMaxAlternatives, &out);
+  out.coarse = object.coarse;
+  out.coarse_score = object.coarse_score;
   out.model = object.model;
   out.view = object.view;
   setPose(object.pose, &out);

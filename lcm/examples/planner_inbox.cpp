@@ -16,7 +16,7 @@ namespace {
 
 struct Options {
   std::string url = "udpm://239.255.76.67:7667?ttl=0";
-  std::string label;        // empty: any
+  std::string label;        // a category, or the synset of what is only known so far ("container.n.01"); empty: any
   double opening_m = 0.08;  // of the gripper
   double seconds = HUGE_VAL;
   long count = 0;  // 0: no limit
@@ -79,9 +79,10 @@ class Inbox {
 
  private:
   static void print(std::int64_t utime, const voxid::object_t& object) {
-    std::printf("object utime=%lld number=%d label=%s score=%.3f model=%s view=%d position_m=%.3f,%.3f,%.3f\n",
-                static_cast<long long>(utime), object.number, object.label.c_str(), object.score, object.model.c_str(),
-                object.view, object.position_m[0], object.position_m[1], object.position_m[2]);
+    std::printf(
+        "object utime=%lld number=%d label=%s score=%.3f coarse=%s model=%s view=%d position_m=%.3f,%.3f,%.3f\n",
+        static_cast<long long>(utime), object.number, object.label.c_str(), object.score, object.coarse.c_str(),
+        object.model.c_str(), object.view, object.position_m[0], object.position_m[1], object.position_m[2]);
   }
 
   static void printGrasp(const voxid::object_t& object) {
@@ -99,7 +100,7 @@ class Inbox {
   }
 
   bool graspable(const voxid::object_t& object) const {
-    const bool wanted = wanted_.empty() || object.label == wanted_;
+    const bool wanted = wanted_.empty() || object.label == wanted_ || object.coarse == wanted_;
     return wanted && !object.truncated && gripWidth(object) <= opening_m_;
   }
 

@@ -83,7 +83,7 @@ def approach_from_above(o, above_m=0.1):
 
 
 def graspable(o, wanted, opening_m):
-    return wanted in ("", o.label) and not o.truncated and o.extents_m[1] <= opening_m
+    return wanted in ("", o.label, o.coarse) and not o.truncated and o.extents_m[1] <= opening_m
 
 
 def digits(numbers):
@@ -102,8 +102,8 @@ def show_grasp(o):
 
 def show(objects, wanted, opening_m):
     for o in objects.objects:
-        print(f"object utime={objects.utime} number={o.number} label={o.label} score={o.score:.3f} model={o.model} "
-              f"view={o.view} position_m={digits(o.position_m)}")
+        print(f"object utime={objects.utime} number={o.number} label={o.label} score={o.score:.3f} coarse={o.coarse} "
+              f"model={o.model} view={o.view} position_m={digits(o.position_m)}")
     nearest = min((o for o in objects.objects if graspable(o, wanted, opening_m)), key=distance_m, default=None)
     if nearest:
         show_grasp(nearest)
@@ -115,7 +115,8 @@ def main():
     parser.add_argument("--url", default="udpm://239.255.76.67:7667?ttl=0")
     parser.add_argument("--seconds", type=float, default=math.inf)
     parser.add_argument("--count", type=float, default=math.inf)
-    parser.add_argument("--label", default="", help="pick the nearest of this category (default: of any)")
+    parser.add_argument("--label", default="", help="pick the nearest of this category, or of what is only known to be "
+                        "of this synset, as container.n.01 (default: of any)")
     parser.add_argument("--opening", type=float, default=0.08, help="of the gripper, metres (default: 0.08)")
     parser.add_argument("--types", help="folder that holds the generated module")
     args = parser.parse_args()

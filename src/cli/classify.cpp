@@ -13,6 +13,7 @@
 #include "recogniser.h"
 #include "scene_json.h"
 #include "settings.h"
+#include "voxid/core/coarse.h"
 #include "voxid/geometry/segmenter.h"
 
 namespace voxid::cli {
@@ -88,14 +89,23 @@ void printPose(const ObjectPose& pose) {
               static_cast<double>(a.fit_mm), 100 * static_cast<double>(a.explained));
 }
 
+/// What can be told where the category cannot; empty where there is no more to tell.
+std::string coarseText(const Index& index, const Answer& answer) {
+  const CoarseAnswer coarse = coarseAnswer(index, answer);
+  if (coarse.synset.empty() || coarse.is_category) return {};
+  char score[32];
+  std::snprintf(score, sizeof score, " %.3f", coarse.score_permille / 1000.0);
+  return "  " + std::string(coarse.synset) + score;
+}
+
 void printRow(const Index& index, const Answer& answer, const std::string& what) {
   Json fields;
   addAnswer(index, answer, fields);
   const std::string view = fields["view"].is_null() ? "-" : std::to_string(fields["view"].get<int>());
   const auto label = fields["label"].get<std::string>(), model = fields["model"].get<std::string>();
-  std::printf("%-28s %-18s %.3f  %s, view %s  [%s]\n", what.c_str(), label.empty() ? "?" : label.c_str(),
+  std::printf("%-28s %-18s %.3f  %s, view %s  [%s]%s\n", what.c_str(), label.empty() ? "?" : label.c_str(),
               answer.score_permille / 1000.0, model.empty() ? "-" : model.c_str(), view.c_str(),
-              rankedText(index, answer).c_str());
+              rankedText(index, answer).c_str(), coarseText(index, answer).c_str());
 }
 
 cv::Mat drawAnswer(const DepthView& depth, const Index& index, const Answer& answer) {
@@ -142,8 +152,7 @@ Result<SceneStatus> classifyObject(Session& session, const DepthFile& file) {
   return answer.count > 0 ? SceneStatus::Ok : SceneStatus::NoDepth;
 }
 
-void printScene(const Session& session, const std::string& file, const Scene& scene,
-                const std::vector<Named>& named) {
+void printScene(const Session& session, const std::string& file, const Scene& scene, const std::vector<Named>& named) {
   const Index& index = session.recogniser.index();
   if (!session.options.json) {
     std::printf("%s: %s, %s\n", file.c_str(), nameOf(scene.status), sentenceOf(scene.status));
@@ -229,8 +238,7 @@ Status run(const Options& options) {
   const auto index = Index::open(options.index);
   if (!index.ok()) return index.status;
   if (const Status fits = options.search.check(*index.value); !fits.ok()) return fits;
-  Session session{options,
-                  EvidenceRecogniser(index.value, options.search, options.evidence, options.models),
+  Session session{options, EvidenceRecogniser(index.value, options.search, options.evidence, options.models),
                   Segmenter(), params};
   return classifyFiles(session);
 }

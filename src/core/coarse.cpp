@@ -48,4 +48,10 @@ CoarseAnswer coarseAnswer(const Index& index, const Answer& answer, int min_scor
           best == index.hypernymsOf(answer.alternatives[0].category)};
 }
 
+std::string wordsOf(std::string_view synset) {
+  std::string words(synset.substr(0, synset.find('.')));
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
+}
+
 }  // namespace voxid

@@ -73,5 +73,11 @@ TEST_F(Coarse, EnoughIsMoreThanHalf) {
   EXPECT_EQ(of({{0, 500}, {3, 500}}, 0).synset, "");
 }
 
+TEST_F(Coarse, ASynsetInWords) {
+  EXPECT_EQ(wordsOf("drinking_vessel.n.01"), "drinking vessel");
+  EXPECT_EQ(wordsOf("box"), "box");
+  EXPECT_EQ(wordsOf(""), "");
+}
+
 }  // namespace
 }  // namespace voxid

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <set>
 
+#include "core/index_fixture.h"
 #include "drawing.h"
 #include "from_lcm.h"
 #include "model_pose.h"
@@ -57,6 +58,8 @@ Object numberedObject() {
     c.distance = 100.0f * i;
     o.alternatives.push_back(c);
   }
+  o.coarse = "container.n.01";
+  o.coarse_score = 0.96f;
   o.model = "mug-12";
   o.view = 42;
   o.pose.pose.position = pointOf({1, 2, 3});
@@ -124,6 +127,8 @@ TEST(ToLcm, EveryFieldArrivesInLcmOrder) {
   EXPECT_EQ(o.alternatives[4].label, "c4");
   EXPECT_FLOAT_EQ(o.alternatives[4].score, 0.4f);
   EXPECT_FLOAT_EQ(o.alternatives[4].distance, 400);
+  EXPECT_EQ(o.coarse, "container.n.01");
+  EXPECT_FLOAT_EQ(o.coarse_score, 0.96f);
   EXPECT_EQ(o.model, "mug-12");
   EXPECT_EQ(o.view, 42);
   EXPECT_EQ(std::vector<double>(o.position_m, o.position_m + 3), (std::vector<double>{1, 2, 3}));
@@ -240,6 +245,25 @@ TEST(Points, AreInMillimetresAndFitOneDatagram) {
   EXPECT_LT(many.xyz_mm.front()[1], -400);
   EXPECT_GT(many.xyz_mm.back()[1], 400);
   EXPECT_LE(many.getEncodedSize(), kMaxLcmBytes);
+}
+
+TEST(FillAnswer, WhereLabelsDisagreeTheirParentIsTold) {
+  const std::string top = "entity.n.01/physical_entity.n.01/object.n.01/whole.n.02/artifact.n.01/instrumentality.n.03/";
+  IndexContent content = test::randomContent(2, 1, 1, 3);
+  content.models[0].hypernyms = top + "container.n.01/mug.n.04";
+  content.models[1].hypernyms = top + "container.n.01/box.n.01";
+  test::Folder folder;
+  const auto index = test::writtenIndex(folder, content);
+  Answer answer;
+  answer.count = 2;
+  answer.known = true;
+  answer.score_permille = 500;
+  for (const std::uint32_t i : {0, 1}) answer.alternatives[i] = {i, i, 100, static_cast<std::uint16_t>(500 - 40 * i)};
+  Object object;
+  fillAnswer(answer, *index, &object);
+  EXPECT_EQ(object.coarse, "container.n.01");
+  EXPECT_FLOAT_EQ(object.coarse_score, 0.96f);
+  EXPECT_EQ(captionOf(object), object.label + " 50 % (container?)");
 }
 
 TEST(SwapHalves, IsItsOwnInverse) {
@@ -458,7 +482,26 @@ TEST(Markers, BoxLabelAndOutline) {
   const auto& label = array.markers[2];
   EXPECT_EQ(label.ns, "label");
   EXPECT_EQ(label.type, visualization_msgs::Marker::TEXT_VIEW_FACING + 0);
-  EXPECT_EQ(label.text, "mug 87 %");
+  EXPECT_EQ(label.text, "mug 87 % (container?)");
+}
+
+TEST(Caption, NamesTheCoarserThingWhereTheLabelIsUnsure) {
+  Object object;
+  EXPECT_EQ(captionOf(object), "?");
+  object.label = "mug";
+  object.score = 0.45f;
+  EXPECT_EQ(captionOf(object), "mug 45 %");
+  object.coarse = "drinking_vessel.n.01";
+  object.coarse_score = 0.8f;
+  EXPECT_EQ(captionOf(object), "mug 45 % (drinking vessel?)");
+  object.label.clear();
+  EXPECT_EQ(captionOf(object), "drinking vessel?");
+  object.label = "mug";
+  object.coarse = "mug.n.04";
+  EXPECT_EQ(captionOf(object), "mug 45 %") << "the same word again says nothing";
+  object.coarse = "container.n.01";
+  object.score = object.coarse_score;
+  EXPECT_EQ(captionOf(object), "mug 80 %") << "nothing else speaks for it";
 }
 
 TEST(Markers, WhatIsGoneIsDeleted) {

@@ -83,6 +83,8 @@ inline Object objectOf(const object_t& in) {
     candidate.distance = alternative.distance;
     out.alternatives.push_back(candidate);
   }
+  out.coarse = in.coarse;
+  out.coarse_score = in.coarse_score;
   out.model = in.model;
   out.view = static_cast<std::uint16_t>(in.view);
   out.pose = poseWithCovarianceOf(in);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "voxid/core/classifier.h"
@@ -23,5 +24,8 @@ constexpr int kLevelsThatSayNothing = 6, kCoarseScorePermille = 700;  ///< chose
 /// highest levels of WordNet (entity to artifact and instrumentality, kLevelsThatSayNothing of them) are no answer.
 /// Empty in an index without hypernyms. Pure, integers only, allocates nothing.
 CoarseAnswer coarseAnswer(const Index& index, const Answer& answer, int min_score_permille = kCoarseScorePermille);
+
+/// "drinking vessel" of "drinking_vessel.n.01"; empty of an empty one.
+std::string wordsOf(std::string_view synset);
 
 }  // namespace voxid
