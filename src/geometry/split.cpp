@@ -11,6 +11,7 @@
 #include "../core/vectorised.h"
 #include "angle.h"
 #include "box.h"
+#include "split_parts.h"
 
 namespace voxid {
 namespace {
@@ -469,22 +470,7 @@ void Splitter::addCut(Run run, std::uint8_t piece, bool begins) {
 
 void Splitter::split(const Surface& surface, const Camera& camera, std::size_t fewest, const SegmentParams& params,
                      Components& components) {
-  step_ = DepthStep(params.split_step_mm);
-  const std::size_t parts = components.parts();
-  for (std::size_t part = 0; part < parts; ++part) {
-    if (components.pixelsIn(part) < 2 * fewest) continue;
-    const Span<const Run> runs = components.runsOf(part);
-    takeCells(surface.inverse, runs);
-    linkCells();
-    orientCells(camera);
-    markCreases(params.split_angle_deg);
-    const std::uint8_t count = findPieces(fewest);
-    if (count < 2) continue;
-    growPieces();
-    if (rejoin(count, params.split_share_percent) < 2) continue;
-    const std::size_t pieces = cutRuns(surface.inverse, runs);
-    components.cut(part, {cuts_.data(), cuts_.size()}, pieces);
-  }
+  splitParts(*this, surface, camera, fewest, params, components);
 }
 
 }  // namespace voxid

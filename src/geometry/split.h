@@ -13,6 +13,9 @@
 
 namespace voxid {
 
+template <typename Steps>
+void splitParts(Steps&, const Surface&, const Camera&, std::size_t, const SegmentParams&, Components&);
+
 /// Works on one part at a time inside its pixel box, in cells: squares of two pixels at 640 columns.
 class Splitter {
  public:
@@ -30,6 +33,9 @@ class Splitter {
   };
 
  private:
+  template <typename Steps>
+  friend void splitParts(Steps&, const Surface&, const Camera&, std::size_t, const SegmentParams&, Components&);
+
   static constexpr std::uint8_t kMostPieces = 63;  // of a part, numbered 1 to 63; 0 is none
   static constexpr int kMargin = 3;                // empty rows above and below: as far as slopes look
 

@@ -12,6 +12,7 @@
 #include "angle.h"
 #include "box.h"
 #include "components.h"
+#include "split_parts.h"
 #include "surface.h"
 #include "voxid/geometry/segment_params.h"
 
@@ -36,6 +37,9 @@ class SlowSplitter {
              Components& components);
 
  private:
+  template <typename Steps>
+  friend void voxid::splitParts(Steps&, const Surface&, const Camera&, std::size_t, const SegmentParams&, Components&);
+
   static constexpr std::uint8_t kMostPieces = 63;  // of a part, numbered 1 to 63; 0 is none
 
   struct Cell {
@@ -294,22 +298,7 @@ inline std::size_t SlowSplitter::cutRuns(const InverseDepth& inverse, Span<const
 
 inline void SlowSplitter::split(const Surface& surface, const Camera& camera, std::size_t fewest,
                                 const SegmentParams& params, Components& components) {
-  step_ = DepthStep(params.split_step_mm);
-  const std::size_t parts = components.parts();
-  for (std::size_t part = 0; part < parts; ++part) {
-    if (components.pixelsIn(part) < 2 * fewest) continue;
-    const Span<const Run> runs = components.runsOf(part);
-    takeCells(surface.inverse, runs);
-    linkCells();
-    orientCells(camera);
-    markCreases(params.split_angle_deg);
-    const std::uint8_t count = findPieces(fewest);
-    if (count < 2) continue;
-    growPieces();
-    if (rejoin(count, params.split_share_percent) < 2) continue;
-    const std::size_t pieces = cutRuns(surface.inverse, runs);
-    components.cut(part, {cuts_.data(), cuts_.size()}, pieces);
-  }
+  splitParts(*this, surface, camera, fewest, params, components);
 }
 
 }  // namespace voxid::test
