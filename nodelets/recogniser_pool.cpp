@@ -2,6 +2,7 @@
 #include "recogniser_pool.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "stopwatch.h"
 
@@ -28,11 +29,12 @@ const std::vector<Answer>& RecogniserPool::recogniseAll(const DepthView& depth, 
   objects_ = objects;
   params_ = params;
   answers_.assign(objects.size, Answer{});
+  orderBySize();
   next_ = answered_ = 0;
   count_ = objects.size;
   if (count_ > 1) work_.notify_all();
   while (next_ < count_) {
-    const std::size_t object = next_++;
+    const std::size_t object = order_[next_++];
     lock.unlock();
     answer(*recognisers_.front(), object);
     lock.lock();
@@ -41,6 +43,15 @@ const std::vector<Answer>& RecogniserPool::recogniseAll(const DepthView& depth, 
   // Only what a helper has begun is waited for, never a helper that has not woken yet.
   finished_.wait(lock, [this] { return answered_ == count_; });
   return answers_;
+}
+
+/// Large objects take longest: a thread that began one last would be waited for by all others.
+void RecogniserPool::orderBySize() {
+  order_.resize(objects_.size);
+  std::iota(order_.begin(), order_.end(), std::size_t{0});
+  std::sort(order_.begin(), order_.end(), [this](std::size_t a, std::size_t b) {
+    return objects_[a].size != objects_[b].size ? objects_[a].size > objects_[b].size : a < b;
+  });
 }
 
 double RecogniserPool::helpersCpuMs() const {
@@ -55,7 +66,7 @@ void RecogniserPool::help(Recogniser& recogniser) {
   for (;;) {
     work_.wait(lock, [this] { return stop_ || next_ < count_; });
     if (stop_) return;
-    const std::size_t object = next_++;
+    const std::size_t object = order_[next_++];
     lock.unlock();
     answer(recogniser, object);
     const double used_ms = watch.cpuMs();

@@ -15,7 +15,7 @@ namespace voxid {
 using ObjectPixels = Span<const std::uint32_t>;
 
 /// Several recognisers of one index share the objects of a frame. Which of them takes an object changes nothing in its
-/// answer, and answers come in the order of the objects.
+/// answer, and answers come in the order of the objects. The largest are taken first.
 class RecogniserPool {
  public:
   /// The caller's thread is one of the `threads`.
@@ -31,18 +31,20 @@ class RecogniserPool {
   double helpersCpuMs() const;  ///< processor time of the other threads since construction
 
  private:
+  void orderBySize();
   void help(Recogniser& recogniser);
   void answer(Recogniser& recogniser, std::size_t object);
 
   std::vector<std::unique_ptr<Recogniser>> recognisers_;
   std::vector<Answer> answers_;
+  std::vector<std::size_t> order_;  // in which the objects are taken
   DepthView depth_;
   Span<const ObjectPixels> objects_;
   ClassifyParams params_;
 
   mutable std::mutex mutex_;
   std::condition_variable work_, finished_;
-  std::size_t next_ = 0, answered_ = 0, count_ = 0;  // of the frame's objects
+  std::size_t next_ = 0, answered_ = 0, count_ = 0;  // of order_
   double helpers_cpu_ms_ = 0;
   bool stop_ = false;
   std::vector<std::thread> helpers_;
