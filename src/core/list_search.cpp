@@ -126,7 +126,7 @@ class ListSearch : public Search {
 
   // Categories among the nearest, more of them until enough are met.
   void gather() {
-    for (std::size_t pool = kListPool;; pool *= 2) {
+    for (std::size_t pool = kCategoryPool;; pool *= 2) {
       collect(counts_.limitFor(pool));
       meet();
       if (met_.size() >= kEnoughCategories || near_count_ == count_) return;

@@ -7,6 +7,7 @@
 
 #include "code_distance.h"
 #include "voxid/core/refine.h"
+#include "voxid/core/sketch.h"
 
 namespace voxid {
 namespace {
@@ -231,7 +232,8 @@ std::unique_ptr<Search> makeExactSearch(std::shared_ptr<const Index> index) {
 
 std::unique_ptr<Search> makeSearch(std::shared_ptr<const Index> index, const SearchParams& params) {
   if (!index->projection()) {
-    return params.exact ? makeExactSearch(std::move(index)) : makeLshSearch(std::move(index), params.radius_bits);
+    if (!params.exact) return makeLshSearch(std::move(index), params.radius_bits);
+    return sketchesOf(*index).empty() ? makeExactSearch(std::move(index)) : makeSketchSearch(std::move(index));
   }
   auto search = params.exact ? makeExactSearch(index) : makeListSearch(index, params.lists);
   return std::make_unique<RefinedSearch>(std::move(index), std::move(search));

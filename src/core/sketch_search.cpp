@@ -58,7 +58,7 @@ class SketchSearch : public Search {
   const Nearest& find(const std::uint8_t* code, std::uint32_t left_out_model) override {
     leaveOut(left_out_model);
     bound(code);
-    for (std::size_t pool = kNearestViews;; pool *= 2) {
+    for (std::size_t pool = kCategoryPool;; pool *= 2) {
       gather(settle(pool, code));
       if (met_.size() >= kEnoughCategories || all_taken_) return answer();
     }

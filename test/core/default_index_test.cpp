@@ -167,7 +167,7 @@ TEST_F(DefaultIndex, AllListsEqualBruteForceAmongTheNearest) {
         sortedViews(*index, code, [&](std::uint32_t view) { return index->modelOf(view) != left_out; });
     const Nearest& found = search->find(code.data(), left_out);
     EXPECT_EQ(pairsOf(found.views), head(all, kNearestViews));
-    EXPECT_EQ(pairsOf(found.categories), firstOfCategories(*index, head(all, kListPool)));
+    EXPECT_EQ(pairsOf(found.categories), firstOfCategories(*index, head(all, kCategoryPool)));
     EXPECT_EQ(found.scanned, all.size());
   }
 }
@@ -199,7 +199,7 @@ TEST_F(DefaultIndex, NearestListsAreComparedInFull) {
 }
 
 TEST_F(DefaultIndex, FiveCategoriesAreMetWhereverThereAreFive) {
-  const auto index = make(5, 1, 200);  // kListPool views may be of two
+  const auto index = make(5, 1, 200);  // kCategoryPool views may be of two
   for (const int lists : {1, 100}) {
     for (int i = 0; i < 20; ++i) {
       const Code code = randomDefaultCode(random_);

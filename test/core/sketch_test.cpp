@@ -100,7 +100,7 @@ class SketchSearchTest : public testing::Test {
 
   // The views as they are, of the categories the nearest.
   static void expectExact(const std::shared_ptr<const Index>& index, const std::vector<Code>& queries) {
-    const auto exact = makeExactSearch(index), sketch = makeSketchSearch(index);
+    const auto exact = makeExactSearch(index), sketch = makeSearch(index, {});
     for (std::size_t i = 0; i < queries.size(); ++i) {
       const std::uint32_t left_out =
           i % 2 == 0 ? Search::kNone : static_cast<std::uint32_t>(i % (kCategories * kModels));
@@ -170,7 +170,7 @@ TEST_F(SketchSearchTest, ComparesOnlyAFewWhereSketchesTell) {
     }
   }
   const auto index = test::writtenIndex(folder_, apart);
-  EXPECT_LT(makeSketchSearch(index)->find(index->code(512)).scanned, 600u);
+  EXPECT_LT(makeSearch(index, {})->find(index->code(512)).scanned, 600u);
 }
 
 TEST_F(SketchSearchTest, ASmallIndexHasNoSketches) {

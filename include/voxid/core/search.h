@@ -27,6 +27,8 @@ struct Nearest {
   std::uint32_t scanned = 0;         ///< codes compared
 };
 constexpr int kNearestViews = 64;
+/// A search that does not compare every view gives the categories of so many of the nearest, at least.
+constexpr int kCategoryPool = 256;
 
 /// Finds the nearest views of one index. All memory is taken at construction. One object a thread.
 class Search {
@@ -47,12 +49,11 @@ std::unique_ptr<Search> makeLshSearch(std::shared_ptr<const Index> index, int ra
 
 /// The learnt hash of profile "default": the `lists` lists whose centroids lie nearest the query are compared in full,
 /// more of them, twice as many each time, until five categories are met (or everything was compared). Of the categories
-/// those are given that the nearest views belong to, kListPool at least, or as many more as it takes to meet five. The
-/// recall of a number of lists: doc/benchmarks.md.
+/// those are given that the nearest views belong to, kCategoryPool at least, or as many more as it takes to meet five.
+/// The recall of a number of lists: doc/benchmarks.md.
 std::unique_ptr<Search> makeListSearch(std::shared_ptr<const Index> index, int lists);
-constexpr int kListPool = 256;
 
-/// Exact, or the hash search of the index's profile.
+/// Exact (of "paper" by sketches, where the index has them: sketch.h), or the hash search of the index's profile.
 struct SearchParams {
   bool exact = true;
   int radius_bits = 4;  ///< "paper": 0 to 52, clamped

@@ -40,8 +40,9 @@ void lowerBounds(const SketchQuery& query, const std::uint8_t* sketches, std::si
 Span<const std::uint8_t> sketchesOf(const Index& index);
 
 /// The nearest views exactly as makeExactSearch finds them, for an index that has sketches: codes are compared in full
-/// only where the sketch does not rule them out. Of the categories the nearest ones are given, exactly as there, ten at
-/// least (or all): those that the nearest kNearestViews views belong to, or more. All memory is taken here.
+/// only where the sketch does not rule them out. Of the categories the nearest ones are given, exactly as there: those
+/// that the nearest kCategoryPool views belong to, or as many more as it takes to have ten (or all). All memory is
+/// taken here.
 std::unique_ptr<Search> makeSketchSearch(std::shared_ptr<const Index> index);
 
 }  // namespace voxid
