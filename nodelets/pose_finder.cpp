@@ -181,7 +181,7 @@ PoseFinder::Found PoseFinder::align(const ObservedObject& object, const Classify
                                  [](const RankedModel& model) { return model.alignment.found; });
   if (best == ranked.value.end()) return {stateOnly(ModelPose::NOT_FOUND), 1};
   const Index& index = *tools->index;
-  const auto model = tools->aligner.shelf().find(fullNameOf(index, best->model));
+  const auto model = tools->aligner.shelf().find(best->model);
   if (!model.ok()) return {stateOnly(ModelPose::NO_SURFACE), 1};
   Found found{modelPoseOf(best->alignment, model.value->model.surface(), model.value->symmetry),
               best->alignment.misfit};

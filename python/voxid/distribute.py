@@ -28,6 +28,7 @@ def options_of(arguments):
     for name in ("--models", "--out", "--views-every", "--descriptor", "--projection", "--pairs", "--scheduler"):
         parser.add_argument(name)
     parser.add_argument("--workers", type=int)
+    parser.add_argument("--keep-points", action="store_true")
     parser.add_argument("--resume", action="store_true")
     parser.add_argument("--json", action="store_true")
     return parser.parse_args(arguments)
@@ -37,6 +38,7 @@ def words_of(options):
     """The command line of a build that does the same, by full paths: workers stand in other folders."""
     words = ["--models", os.path.abspath(options.models), "--out", os.path.abspath(options.out),
              "--views-every", options.views_every, "--descriptor", options.descriptor]
+    words += ["--keep-points"] if options.keep_points else []
     words += ["--projection", os.path.abspath(options.projection)] if options.projection else []
     return words + (["--pairs", options.pairs] if options.pairs else [])
 

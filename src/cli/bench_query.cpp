@@ -6,6 +6,7 @@
 #include "bench.h"
 #include "bench_search.h"
 #include "compare_codes.h"
+#include "evaluation.h"
 #include "voxid/core/search.h"
 #include "voxid/core/sketch.h"
 
@@ -111,7 +112,7 @@ Contender hashSearch(const std::shared_ptr<const Index>& index) {
   contender.knob = lists ? "lists" : "radius_bits";
   contender.settings = lists ? std::vector<int>{4, 8, 16, 24, 32, 48, 64, 128} : std::vector<int>{0, 2, 4, 6, 8};
   contender.main_setting = lists ? SearchParams().lists : SearchParams().radius_bits;
-  contender.bytes_per_view = static_cast<double>(index->bytes()) / static_cast<double>(index->viewCount());
+  contender.bytes_per_view = bytesPerView(*index);
   const auto search = std::make_shared<std::unique_ptr<Search>>();
   contender.prepare = [search, index, lists](int setting) {
     *search = lists ? makeListSearch(index, setting) : makeLshSearch(index, setting);

@@ -116,6 +116,7 @@ Result<BuildPart> partOf(const std::string& text) {
 Status distribute(const BuildOptions& options, const DescriptorChoice& choice, const Places& places, bool json) {
   std::vector<std::string> arguments = {"--models", options.models, "--out", options.out, "--views-every", std::to_string(options.views_every)};
   choice.addTo(arguments);
+  if (options.keep_surfaces) arguments.push_back("--keep-points");
   if (options.resume) arguments.push_back("--resume");
   if (json) arguments.push_back("--json");
   if (places.workers > 0) arguments.insert(arguments.end(), {"--workers", std::to_string(places.workers)});
@@ -151,6 +152,7 @@ Run addBuild(CLI::App& app) {
   app.add_option("--models", options->models, "Folder with one folder a category, which holds a mesh file a model")->required();
   app.add_option("--out", options->out, "The index to write (.vxi); an old one stays until the new one is whole")->required();
   app.add_option("--jobs", options->jobs, "Worker processes; the index is the same for any number")->capture_default_str()->check(CLI::Range(1, 1024));
+  app.add_flag("--keep-points", options->keep_surfaces, "Keep each model's surface in the index, so that poses need no models");
   app.add_flag("--resume", options->resume, "Go on where an interrupted build of the same models and settings ended");
   app.add_option("--views-every", options->views_every, "Take every n-th of the 80 directions")->capture_default_str()->check(CLI::Range(1, 80));
   const auto choice = std::make_shared<DescriptorChoice>();

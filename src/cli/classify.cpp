@@ -227,17 +227,18 @@ Status run(const Options& options) {
   if (!options.scene && !(options.labels.empty() && options.settings.empty())) {
     return Status::badUse("classify: --labels and --set are for whole scenes; add --scene");
   }
-  if (const Status evident = options.evidence.check(options.models); !evident.ok()) return evident;
   if (options.evidence.align() && (options.vote || options.one_nn))
     return Status::badUse("classify: --vote and --1nn are ways of counting codes; --evidence align has its own");
-  if (options.align && options.models.empty())
-    return Status::badUse("--align needs --models DIR, the folder that the index was made from");
   SegmentParams params;
   const Status set = applySettings(options.settings, params);
   if (!set.ok()) return set;
   const auto index = Index::open(options.index);
   if (!index.ok()) return index.status;
   if (const Status fits = options.search.check(*index.value); !fits.ok()) return fits;
+  if (options.align || options.evidence.align()) {
+    const std::string option = options.align ? "--align" : "--evidence align";
+    if (const Status known = checkSurfaces(option, *index.value, options.models); !known.ok()) return known;
+  }
   Session session{options, EvidenceRecogniser(index.value, options.search, options.evidence, options.models),
                   Segmenter(), params};
   return classifyFiles(session);
@@ -255,7 +256,7 @@ Run addClassify(CLI::App& app) {
   app.add_flag("--json", options->json, "One object a frame and line");
   options->evidence.addTo(app);
   app.add_flag("--align", options->align, "Where each object's model stands; with --plot it is drawn over the picture");
-  app.add_option("--models", options->models, "With --align, --evidence align: the folder that the index was made from")
+  app.add_option("--models", options->models, "With --align, --evidence align: the folder that the index was made from, if it keeps no surfaces")
       ->type_name("DIR");
   options->search.addTo(app);
   CLI::Option* const vote = app.add_flag("--vote", options->vote, "The ten nearest views vote (default)");

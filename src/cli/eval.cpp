@@ -217,7 +217,7 @@ Status checkEvidence(const Options& options) {
   if (options.unknown) return Status::badUse("--unknown excludes --evidence");
   if (options.comparing && (evidence.align() || !options.queries.empty()))
     return Status::badUse("--compare takes --evidence size with --scenes only");
-  return evidence.check(options.compare.models);
+  return {};
 }
 
 Status check(const Options& options) {
@@ -248,6 +248,10 @@ Status run(const Options& options) {
   const auto index = Index::open(options.index);
   if (!index.ok()) return index.status;
   if (const Status fits = options.search.check(*index.value); !fits.ok()) return fits;
+  if (options.scenes.evidence.align()) {
+    const Status known = checkSurfaces("--evidence align", *index.value, options.compare.models);
+    if (!known.ok()) return known;
+  }
   if (options.memory) return evaluateFrames(options, index.value);
   if (options.posing) return pose(options, index.value);
   if (!options.scenes.folder.empty()) return evaluateReal(options, index.value);

@@ -52,7 +52,7 @@ class PoseExaminer {
     if (!path.ok()) return path.status;
     const auto mesh = readMeshFile(path.value);
     if (!mesh.ok()) return mesh.status;
-    const auto shelved = aligner_.shelf().find(name);
+    const auto shelved = aligner_.shelf().find(model);
     if (!shelved.ok()) return shelved.status;
     const PosedView view = drawPosedView(mesh.value, random.next());
     PoseOutcome outcome;
@@ -99,7 +99,7 @@ class PoseExaminer {
     const Nearest* const found = recogniser_.nearest(view.image.view(), {view.pixels.data(), view.pixels.size()});
     if (found == nullptr) return ranked;
     for (const RankedModel& model : modelsOf(*index_, *found, ModelAligner::kModels)) {
-      const auto read = aligner_.shelf().find(fullNameOf(*index_, model.model));
+      const auto read = aligner_.shelf().find(model.model);
       if (!read.ok()) return read.status;
     }
     outcome.asked_ms =

@@ -110,10 +110,6 @@ Result<AllOutcomes> answerAll(const std::shared_ptr<const Index>& index, const s
   return outcomes;
 }
 
-double bytesPerView(const Index& index) {
-  return static_cast<double>(index.bytes()) / static_cast<double>(index.viewCount());
-}
-
 Json alignedRow(const Index& index, const std::vector<Query>& queries, const AllOutcomes& outcomes) {
   Json row = rowOf(index.parameters().profile, "align", figuresOf(queries, outcomes.aligned), bytesPerView(index));
   const Difference difference = differenceOf(queries, outcomes.aligned, outcomes.by_method.back());

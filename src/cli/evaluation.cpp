@@ -184,4 +184,9 @@ cv::Mat drawConfusion(const std::vector<Query>& queries, const std::vector<Outco
   return picture;
 }
 
+double bytesPerView(const Index& index) {
+  const auto bytes = static_cast<double>(index.bytes() - index.surfaceBytes());
+  return index.viewCount() == 0 ? 0 : bytes / static_cast<double>(index.viewCount());
+}
+
 }  // namespace voxid::cli

@@ -63,4 +63,7 @@ double rounded(double x);
 /// Right category a row, answer a column, darker is more (share of the row); categories by name.
 cv::Mat drawConfusion(const std::vector<Query>& queries, const std::vector<Outcome>& outcomes);
 
+/// Of an index; the surfaces that it keeps grow with the models and are not counted.
+double bytesPerView(const Index& index);
+
 }  // namespace voxid::cli

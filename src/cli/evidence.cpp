@@ -30,9 +30,10 @@ void EvidenceChoice::addTo(CLI::App& app) {
 bool EvidenceChoice::size() const { return contains(names, "size"); }
 bool EvidenceChoice::align() const { return contains(names, "align"); }
 
-Status EvidenceChoice::check(const std::string& models) const {
-  if (!align() || !models.empty()) return {};
-  return Status::badUse("--evidence align needs --models DIR, the folder that the index was made from");
+Status checkSurfaces(const std::string& option, const Index& index, const std::string& models) {
+  if (index.hasSurfaces() || !models.empty()) return {};
+  return Status::badUse(option + " needs --models DIR, the folder that the index was made from, or an index made with "
+                        "`voxid build --keep-points`");
 }
 
 EvidenceRecogniser::EvidenceRecogniser(std::shared_ptr<const Index> index, const SearchChoice& search,
@@ -44,7 +45,7 @@ EvidenceRecogniser::EvidenceRecogniser(std::shared_ptr<const Index> index, const
     const auto code_at = [index](std::size_t view) { return index->code(static_cast<std::uint32_t>(view)); };
     by_size_.emplace(*index, *view_code_, allViews(*index), code_at);
   }
-  if (!models.empty()) naming_.emplace(index, models);
+  if (!models.empty() || index->hasSurfaces()) naming_.emplace(index, models);
 }
 
 const Nearest* EvidenceRecogniser::nearest(const ObservedObject& object) {

@@ -23,14 +23,17 @@ struct EvidenceChoice {
   void addTo(CLI::App& app);  ///< --evidence
   bool size() const;          ///< metric extents
   bool align() const;         ///< models, aligned
-  /// BadUse if models are to be aligned and there are none.
-  Status check(const std::string& models) const;
 };
+
+/// BadUse if the models of an index cannot be aligned, as `option` asks: it keeps no surfaces, and `models`, the folder
+/// that it was made from, is not given.
+Status checkSurfaces(const std::string& option, const Index& index, const std::string& models);
 
 /// Names objects by their codes and by the chosen evidence. One object a thread.
 class EvidenceRecogniser {
  public:
-  /// `models`: the folder that the index was made from; empty: poses are never asked for, nor evidence that needs them.
+  /// `models`: the folder that the index was made from; empty: the index keeps the surfaces, or poses are never asked
+  /// for, nor evidence that needs them.
   EvidenceRecogniser(std::shared_ptr<const Index> index, const SearchChoice& search, const EvidenceChoice& evidence,
                      const std::string& models);
 

@@ -8,6 +8,7 @@
 
 #include "bucket.h"
 #include "command.h"
+#include "evaluation.h"
 #include "recogniser.h"
 #include "voxid/library/confidence_learner.h"
 
@@ -44,8 +45,10 @@ Json categoriesOf(const Index& index) {
   return list;
 }
 
-double bytesPerView(const Index& index) {
-  return index.viewCount() == 0 ? 0 : static_cast<double>(index.bytes()) / static_cast<double>(index.viewCount());
+std::uint32_t surfaceCount(const Index& index) {
+  std::uint32_t count = 0;
+  for (std::uint32_t model = 0; model < index.models().size; ++model) count += index.surface(model).empty() ? 0 : 1;
+  return count;
 }
 
 Json toJson(const Index& index, bool with_categories) {
@@ -64,6 +67,8 @@ Json toJson(const Index& index, bool with_categories) {
   json["buckets"] = index.keys().size;
   json["bytes"] = index.bytes();
   json["bytes_per_view"] = bytesPerView(index);
+  json["surfaces"] = surfaceCount(index);
+  json["surface_bytes"] = index.surfaceBytes();
   json["code_bytes"] = parameters.code_bytes;
   json["calibration_samples"] = index.calibration().samples;
   const format::Confidence* const confidence = index.confidence();
@@ -102,6 +107,9 @@ void printForPeople(const Index& index, bool with_categories) {
   std::printf("models       %zu\n", index.models().size);
   std::printf("views        %u in %zu buckets\n", index.viewCount(), index.keys().size);
   std::printf("bytes        %llu, %.1f a view\n", static_cast<unsigned long long>(index.bytes()), bytesPerView(index));
+  if (index.hasSurfaces())
+    std::printf("surfaces     %u models, %llu bytes, not among those of a view\n", surfaceCount(index),
+                static_cast<unsigned long long>(index.surfaceBytes()));
   const std::uint32_t samples = index.calibration().samples;
   std::printf("calibration  %s\n",
               samples ? (std::to_string(samples) + " queries of its own models").c_str() : "built in");

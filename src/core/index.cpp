@@ -220,6 +220,10 @@ Status Index::locate() {
   calibration_ = find.exactly<format::Calibration>("CALB", 1).data;
   if (find.has("SYNS")) senses_ = find.exactly<std::uint32_t>("SYNS", h.categories);
   if (find.has("HYPR")) hypernyms_ = find.exactly<std::uint32_t>("HYPR", h.categories);
+  if (find.has("SURO") || find.has("SURF")) {
+    surface_offsets_ = find.exactly<std::uint64_t>("SURO", std::uint64_t{h.models} + 1);
+    surfaces_ = find.any<std::uint8_t>("SURF");
+  }
   if (find.has("CONF")) confidence_ = find.exactly<format::Confidence>("CONF", 1).data;
   if (!find.complaint().empty()) return damaged(path_, find.complaint());
   if (strings_.empty() || strings_[0] != 0 || strings_[strings_.size - 1] != 0) {
@@ -251,6 +255,13 @@ Span<const std::uint32_t> Index::bucket(std::uint32_t i) const {
   const std::uint32_t first = bucket_offsets_[i], last = bucket_offsets_[i + 1];
   if (first > last || last > bucket_views_.size) return {};
   return {bucket_views_.data + first, last - first};
+}
+
+Span<const std::uint8_t> Index::surface(std::uint32_t model) const {
+  if (model >= models_.size || surface_offsets_.empty()) return {};
+  const std::uint64_t first = surface_offsets_[model], last = surface_offsets_[model + 1];
+  if (first > last || last > surfaces_.size) return {};
+  return {surfaces_.data + first, static_cast<std::size_t>(last - first)};
 }
 
 std::string_view Index::string(std::uint32_t offset) const {

@@ -7,6 +7,7 @@
 
 #include "voxid/core/crc32c.h"
 #include "voxid/core/index.h"
+#include "voxid/core/kept_surface.h"
 #include "voxid/core/refine.h"
 #include "voxid/core/sketch.h"
 
@@ -184,6 +185,20 @@ Fault checkSketches(const Index& index) {
   return {};
 }
 
+// Surfaces follow one another and fill their section; each is whole.
+Fault checkSurfaces(const Index& index) {
+  if (!index.hasSurfaces()) return {};
+  std::uint64_t length = 0;
+  for (std::uint32_t i = 0; i < index.models().size; ++i) {
+    const Span<const std::uint8_t> surface = index.surface(i);
+    if (!surface.empty() && !KeptSurface::of(surface)) return at("wrong surface of model", i);
+    length += surface.size;
+  }
+  const auto isSurfaces = [](const format::Section& section) { return tagOf(section) == "SURF"; };
+  const auto* const section = std::find_if(index.sections().begin(), index.sections().end(), isSurfaces);
+  return section->length == length ? Fault() : "the surfaces do not fill their section";
+}
+
 Fault checkCalibration(const Index& index) {
   const format::Calibration& curve = index.calibration();
   const auto* const first = curve.score_permille;
@@ -203,7 +218,7 @@ Fault checkConfidence(const Index& index) {
 
 Status Index::verify() const {
   for (const auto check : {checkSums, checkPadding, checkCategories, checkModels, checkViews, checkBuckets, checkMeans,
-                           checkSketches, checkCalibration, checkConfidence}) {
+                           checkSketches, checkSurfaces, checkCalibration, checkConfidence}) {
     const Fault fault = check(*this);
     if (!fault.empty()) {
       return Status::damaged("the index " + path_ + " is damaged: " + fault +

@@ -121,7 +121,7 @@ Result<std::vector<SketchedModel>> AlignedNaming::candidates(const std::uint8_t*
     const std::uint32_t category = categoryOfModel(*index_, index_->modelOf(nearest.categories[i].view));
     if (!isCategory(*index_, category)) continue;
     for (SketchedModel& model : nearestModels(*index_, code, category)) {
-      auto read = shelf_.find(fullNameOf(*index_, model.model));
+      auto read = shelf_.find(model.model);
       if (!read.ok()) {
         if (unread.ok()) unread = read.status;
         continue;

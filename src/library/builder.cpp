@@ -93,13 +93,19 @@ class Builder {
   RenderWork work() const {
     RenderWork work{folder_, parts_.path(), listener_};
     work.jobs = options_.jobs;
-    work.choice.views_every = options_.views_every;
+    work.choice = choice();
     work.parameters = parametersOf(options_.profile);
     work.mesh_limits = options_.mesh_limits;
     work.makeEncode = [this] { return encodeWith(options_.profile); };
     return work;
   }
-  ShardOrigin originOf(const ModelFile& model) const { return voxid::originOf(model, parametersOf(options_.profile), options_.views_every); }
+  ViewChoice choice() const {
+    ViewChoice choice;
+    choice.views_every = options_.views_every;
+    choice.keep_surface = options_.keep_surfaces;
+    return choice;
+  }
+  ShardOrigin originOf(const ModelFile& model) const { return voxid::originOf(model, parametersOf(options_.profile), choice()); }
   std::string shardOf(const ModelFile& model) const { return shardPath(parts_.path(), model); }
 
   // Reads one finished model after another.
@@ -138,7 +144,8 @@ class Builder {
       refused_[static_cast<int>(number)] = shard.value.refusal;
       return {};
     }
-    ModelRecord model{file.category, file.name, file.licence, file.origin, file.synset, std::move(shard.value.views), file.sense, file.hypernyms};
+    ModelRecord model{file.category, file.name, file.licence, file.origin, file.synset, std::move(shard.value.views), file.sense, file.hypernyms,
+                      std::move(shard.value.surface)};
     if (options_.profile.projection) shrinkToMean(codesIn(model.views), options_.profile.codeBytes());
     report_.views += static_cast<int>(model.views.size());
     taught_.insert(file.category);

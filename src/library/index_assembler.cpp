@@ -10,6 +10,7 @@
 #include "bucket_spool.h"
 #include "section_writer.h"
 #include "string_table.h"
+#include "voxid/core/kept_surface.h"
 #include "voxid/core/refine.h"
 #include "voxid/core/sketch.h"
 
@@ -42,6 +43,12 @@ std::string faultOfTexts(const ModelRecord& model) {
     if (hasNul(*text)) return "has a NUL in a text";
   }
   return {};
+}
+
+std::string faultOfSurface(const ModelRecord& model) {
+  const std::vector<std::uint8_t>& surface = model.surface;
+  const bool whole = surface.empty() || KeptSurface::of({surface.data(), surface.size()});
+  return whole ? std::string() : "has a surface that is not whole";
 }
 
 /// What has to differ from the model before, and what must not.
@@ -99,6 +106,7 @@ struct IndexAssembler::Parts {
   std::vector<format::Direction> directions;
   const std::string path;
   Spool models{path}, views{path}, codes{path}, sketches{path}, means{path};  // MODL, VIEW or VIE4, CODE, SUMS, MEAN
+  Spool surfaces{path}, surface_offsets{path};  // SURF, SURO
   BucketSpool buckets{path};
   std::vector<format::Category> categories;
   std::vector<std::string> category_senses, category_hypernyms;
@@ -118,6 +126,7 @@ struct IndexAssembler::Parts {
   void addView(const ViewRecord& view);
   void addSketch(const ViewRecord& view);
   bool isSketched() const;
+  bool hasSurfaces() const { return surfaces.bytes() > 0; }
 };
 
 std::string IndexAssembler::Parts::add(const ModelRecord& model) {
@@ -126,6 +135,7 @@ std::string IndexAssembler::Parts::add(const ModelRecord& model) {
   fault = faultOfTexts(model);
   if (fault.empty() && model_count > 0) fault = faultOfOrder(model, last);
   if (fault.empty()) fault = faultOfViews(model, directions.size(), profile.codeBytes());
+  if (fault.empty()) fault = faultOfSurface(model);
   if (!fault.empty()) return "model " + model.category + "/" + model.name + " " + fault;
   if (view_count + model.views.size() > kMaxEntries) return "there are more than 4,294,967,294 views";
   if (model_count == 0 || last.category != model.category) beginCategory(model);
@@ -160,6 +170,8 @@ void IndexAssembler::Parts::addEntry(const ModelRecord& model) {
   entry.first_view = static_cast<std::uint32_t>(view_count);
   entry.views = static_cast<std::uint32_t>(model.views.size());
   models.append(entry);
+  surface_offsets.append(surfaces.bytes());
+  surfaces.append(model.surface.data(), model.surface.size());
   ++model_count;
 }
 
@@ -202,13 +214,14 @@ std::vector<std::uint32_t> IndexAssembler::Parts::offsetsOf(const std::vector<st
 void IndexAssembler::Parts::close() {
   if (std::exchange(closed, true)) return;
   endCategory();
+  surface_offsets.append(surfaces.bytes());
   buckets.finish();
   senses = offsetsOf(category_senses);
   hypernyms = offsetsOf(category_hypernyms);
 }
 
 int IndexAssembler::Parts::error() const {
-  for (const Spool* const spool : {&models, &views, &codes, &sketches, &means}) {
+  for (const Spool* const spool : {&models, &views, &codes, &sketches, &means, &surfaces, &surface_offsets}) {
     if (spool->error() != 0) return spool->error();
   }
   return buckets.error();
@@ -224,6 +237,7 @@ format::Header IndexAssembler::Parts::header(const format::Parameters& parameter
   if (!senses.empty()) header.minor = std::max(header.minor, format::kMinorSenses);
   if (!hypernyms.empty()) header.minor = std::max(header.minor, format::kMinorHypernyms);
   if (isSketched()) header.minor = std::max(header.minor, kMinorSketch);
+  if (hasSurfaces()) header.minor = std::max(header.minor, format::kMinorSurfaces);
   header.header_bytes = sizeof header;
   header.categories = static_cast<std::uint32_t>(categories.size());
   header.models = model_count;
@@ -242,6 +256,7 @@ void IndexAssembler::Parts::writeSections(FileBeside& file, const format::Calibr
   if (!hypernyms.empty()) tags.push_back("HYPR");
   if (confidence) tags.push_back("CONF");
   if (isSketched()) tags.push_back("SUMS");
+  if (hasSurfaces()) tags.insert(tags.end(), {"SURO", "SURF"});
 
   const format::Parameters parameters = parametersOf(profile);
   format::Header head = header(parameters);
@@ -269,6 +284,10 @@ void IndexAssembler::Parts::writeSections(FileBeside& file, const format::Calibr
     out.section(&entry, sizeof entry);
   }
   if (isSketched()) out.section(sketches);
+  if (hasSurfaces()) {
+    out.section(surface_offsets);
+    out.section(surfaces);
+  }
   out.finish(head);
 }
 

@@ -224,6 +224,7 @@ Result<std::vector<bool>> namedModels(const Index& index, const std::vector<std:
 Result<BuildReport> addTo(const Source& old, const BuildOptions& options, Clash clash, BuildListener& listener) {
   BuildOptions extra = options;
   extra.profile = old.index->profile();
+  extra.keep_surfaces = old.index->hasSurfaces();
   extra.out = options.out + ".parts/added.vxi";
   Result<BuildReport> report = buildIndex(extra, listener);
   if (!report.ok()) return report;

@@ -60,6 +60,7 @@ Result<ModelRecord> readModel(const Index& index, std::uint32_t number) {
   }
   const format::Category& category = index.categories()[model.category];
   const auto text = [&](std::uint32_t offset) { return std::string(index.string(offset)); };
+  const Span<const std::uint8_t> surface = index.surface(number);
   ModelRecord record{text(category.name),
                      text(model.name),
                      text(model.licence),
@@ -67,7 +68,8 @@ Result<ModelRecord> readModel(const Index& index, std::uint32_t number) {
                      category.synset,
                      {},
                      std::string(index.senseOf(model.category)),
-                     std::string(index.hypernymsOf(model.category))};
+                     std::string(index.hypernymsOf(model.category)),
+                     {surface.begin(), surface.end()}};
   record.views.reserve(model.views);
   for (std::uint32_t i = 0; i < model.views; ++i) record.views.push_back(viewRecord(index, model.first_view + i));
   return record;

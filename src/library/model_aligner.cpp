@@ -39,7 +39,7 @@ Result<std::vector<RankedModel>> ModelAligner::rank(const ObservedObject& object
   std::vector<RankedModel> readable;
   Status unread;
   for (const RankedModel& model : found) {
-    auto read = shelf_.find(fullNameOf(*index_, model.model));
+    auto read = shelf_.find(model.model);
     if (!read.ok()) {
       if (unread.ok()) unread = read.status;
       continue;

@@ -14,13 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Result<std::shared_ptr<const ShelvedModel>> readModel(const std::string& models, const std::string& name) {
-  const Result<std::string> path = meshOf(models, name);
-  if (!path.ok()) return path.status;
-  const Result<Mesh> mesh = readMeshFile(path.value);
-  if (!mesh.ok()) return mesh.status;
-  ModelSurface surface = surfaceOf(mesh.value);
-  const Symmetry symmetry = findSymmetry(surface);
+std::shared_ptr<const ShelvedModel> shelved(ModelSurface surface, const Symmetry& symmetry) {
   const Directions& directions = viewDirections();
   return std::shared_ptr<const ShelvedModel>(
       new ShelvedModel{{std::move(surface), {directions.data(), directions.size()}}, symmetry});
@@ -38,7 +32,7 @@ std::size_t bytesOf(const ShelvedModel& model) {
 }  // namespace
 
 Result<std::string> meshOf(const std::string& models, const std::string& name) {
-  if (models.empty()) return Status::cannotDo(name + ": no surface is known, as no folder of models is given");
+  if (models.empty()) return Status::cannotDo(name + ": no surface is known: the index keeps none (`voxid build --keep-points`), and no folder of models is given");
   const fs::path wanted = fs::path(models) / name;
   std::vector<std::string> found;
   std::error_code error;
@@ -56,12 +50,29 @@ std::string fullNameOf(const Index& index, std::uint32_t model) {
   return std::string(index.categoryName(index.models()[model].category)) + "/" + std::string(index.modelName(model));
 }
 
-Result<std::shared_ptr<const ShelvedModel>> ModelShelf::find(const std::string& name) {
-  auto book = books_.find(name);
+Result<std::shared_ptr<const ShelvedModel>> ModelShelf::read(std::uint32_t model) const {
+  const Span<const std::uint8_t> kept = index_->surface(model);
+  if (!kept.empty()) {
+    const auto surface = KeptSurface::of(kept);
+    if (surface) return shelved(surfaceOf(*surface), symmetryOf(*surface));
+    return Status::damaged("the index " + index_->path() + " is damaged: the surface of " +
+                           fullNameOf(*index_, model) + " is not whole; `voxid verify` tells more");
+  }
+  const Result<std::string> path = meshOf(models_, fullNameOf(*index_, model));
+  if (!path.ok()) return path.status;
+  const Result<Mesh> mesh = readMeshFile(path.value);
+  if (!mesh.ok()) return mesh.status;
+  ModelSurface surface = surfaceOf(mesh.value);
+  const Symmetry symmetry = findSymmetry(surface);
+  return shelved(std::move(surface), symmetry);
+}
+
+Result<std::shared_ptr<const ShelvedModel>> ModelShelf::find(std::uint32_t number) {
+  auto book = books_.find(number);
   if (book == books_.end()) {
-    auto model = readModel(models_, name);
+    auto model = read(number);
     const std::size_t bytes = kBytesOfABook + (model.ok() ? bytesOf(*model.value) : 0);
-    book = books_.emplace(name, Book{std::move(model), bytes, 0}).first;
+    book = books_.emplace(number, Book{std::move(model), bytes, 0}).first;
     bytes_ += bytes;
   }
   book->second.last_asked = ++asked_;

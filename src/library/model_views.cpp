@@ -7,6 +7,7 @@
 
 #include "deform.h"
 #include "random.h"
+#include "voxid/library/model_surface.h"
 #include "voxid/library/model_view.h"
 #include "voxid/library/renderer.h"
 #include "voxid/library/sensor_model.h"
@@ -153,6 +154,7 @@ ModelViews makeViews(const Mesh& mesh, const std::string& name, const ViewChoice
     made.views.push_back(std::move(view));
   }
   if (made.views.empty()) made.refusal = "shows next to nothing from every direction";
+  if (choice.keep_surface) made.surface = surfaceToKeep(mesh);
   Random random(seedOf(name, 2 * kCalibrationView * kTries - 1));
   made.calibration = codeOf(lookUntilEnough(scene, drawDirection(random), name, kCalibrationView), encode);
   return made;

@@ -18,6 +18,7 @@ constexpr std::uint32_t kRecipeRevision = 1;
 struct ModelViews {
   std::vector<ViewRecord> views;             ///< by ascending direction
   std::vector<std::uint8_t> calibration;  ///< code of one more view, from a random direction; empty if it showed nothing
+  std::vector<std::uint8_t> surface;         ///< as Index::surface, empty unless asked for
   std::string refusal;                    ///< why there are no views
 };
 
@@ -32,6 +33,7 @@ EncodeView encodeWith(const Profile& profile);
 struct ViewChoice {
   int views_every = 1;         ///< every n-th direction only
   bool deform_second = false;  ///< every second view is of a model deformed in its own way: for learning only
+  bool keep_surface = false;   ///< for poses
 };
 
 /// `name` seeds everything that is random: size, distance, roll, noise.

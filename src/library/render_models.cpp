@@ -19,7 +19,7 @@ ModelViews viewsOf(const RenderWork& work, const ModelFile& model) {
 }
 
 ShardOrigin originIn(const RenderWork& work, const ModelFile& model) {
-  return originOf(model, work.parameters, work.choice.views_every);
+  return originOf(model, work.parameters, work.choice);
 }
 
 /// In a worker: the model's shard, which may be there already; the number of views in it.

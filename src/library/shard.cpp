@@ -16,7 +16,7 @@
 namespace voxid {
 namespace {
 
-constexpr char kMagic[] = "voxid shard 1\n";
+constexpr char kMagic[] = "voxid shard 2\n";
 
 class Writer {
  public:
@@ -89,6 +89,7 @@ ModelViews takeViews(Reader& in) {
   ModelViews views;
   views.refusal = in.sized<std::string>();
   views.calibration = in.sized<std::vector<std::uint8_t>>();
+  views.surface = in.sized<std::vector<std::uint8_t>>();
   const std::uint32_t count = in.number<std::uint32_t>();
   for (std::uint32_t i = 0; i < count && !in.failed(); ++i) views.views.push_back(takeView(in));
   return views;
@@ -112,15 +113,17 @@ std::string ShardOrigin::bytes() const {
   out.number(file_mtime_ns);
   out.bytes(&parameters, sizeof parameters);
   out.number(views_every);
+  out.number(keep_surface);
   out.number(kRecipeRevision);
   return out.text_;
 }
 
-ShardOrigin originOf(const ModelFile& model, const format::Parameters& parameters, int views_every) {
+ShardOrigin originOf(const ModelFile& model, const format::Parameters& parameters, const ViewChoice& choice) {
   ShardOrigin origin;
   origin.file = model.file;
   origin.parameters = parameters;
-  origin.views_every = static_cast<std::uint32_t>(views_every);
+  origin.views_every = static_cast<std::uint32_t>(choice.views_every);
+  origin.keep_surface = choice.keep_surface;
   struct stat about {};
   if (::stat(model.path.c_str(), &about) == 0) {
     origin.file_bytes = static_cast<std::uint64_t>(about.st_size);
@@ -141,6 +144,7 @@ Status writeShard(const std::string& path, const ShardOrigin& origin, const Mode
   out.sized(origin.bytes());
   out.sized(views.refusal);
   out.sized(views.calibration);
+  out.sized(views.surface);
   out.number(static_cast<std::uint32_t>(views.views.size()));
   for (const ViewRecord& view : views.views) put(out, view);
   out.number(crc32c(out.text_.data(), out.text_.size()));

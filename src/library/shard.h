@@ -17,10 +17,11 @@ struct ShardOrigin {
   std::int64_t file_mtime_ns = 0;
   format::Parameters parameters{};
   std::uint32_t views_every = 1;
+  bool keep_surface = false;
 
   std::string bytes() const;
 };
-ShardOrigin originOf(const ModelFile& model, const format::Parameters& parameters, int views_every);
+ShardOrigin originOf(const ModelFile& model, const format::Parameters& parameters, const ViewChoice& choice);
 
 std::string shardPath(const std::string& parts, const ModelFile& model);
 

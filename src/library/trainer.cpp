@@ -135,11 +135,13 @@ class Trainer {
     folder_.models.erase(std::remove_if(folder_.models.begin(), folder_.models.end(), unwanted), folder_.models.end());
   }
 
+  ViewChoice choice() const { return {options_.views_every, true, false}; }
+
   Status render() {
     const std::string parts = parts_.path();
     RenderWork work{folder_, parts, listener_};
     work.jobs = options_.jobs;
-    work.choice = {options_.views_every, true};
+    work.choice = choice();
     work.parameters = binsParameters(options_.params);
     work.mesh_limits = options_.mesh_limits;
     work.makeEncode = [this] { return encodeBins(options_.params); };
@@ -151,7 +153,7 @@ class Trainer {
     for (std::size_t i = 0; i < folder_.models.size(); ++i) {
       const ModelFile& file = folder_.models[i];
       Result<ModelViews> shard = readShard(shardPath(parts_.path(), file),
-                                           originOf(file, binsParameters(options_.params), options_.views_every));
+                                           originOf(file, binsParameters(options_.params), choice()));
       const auto died = died_.find(static_cast<int>(i));
       if (!shard.ok()) shard.value.refusal = died == died_.end() ? shard.status.sentence : died->second;
       if (!shard.ok() || shard.value.views.empty()) {

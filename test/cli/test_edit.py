@@ -24,11 +24,11 @@ def halves(models, tmp_path_factory):
     return folder / "first", folder / "second"
 
 
-@pytest.fixture(scope="module", params=["default", "paper"])
+@pytest.fixture(scope="module", params=[["default"], ["paper"], ["default", "--keep-points"]], ids=" ".join)
 def files(voxid, models, halves, tmp_path_factory, request):
     """The indices of all models and of each half."""
     folder = tmp_path_factory.mktemp("indices")
-    options = ["--descriptor", request.param]
+    options = ["--descriptor", *request.param]
     return [build(voxid, part, folder / f"{i}.vxi", *options) for i, part in enumerate([models, *halves])]
 
 

@@ -38,8 +38,30 @@ def test_models_stand_where_the_objects_are(voxid, index, models, scene, tmp_pat
     assert changed.sum() > 1000
 
 
+@pytest.fixture(scope="module")
+def kept(voxid, models, tmp_path_factory):
+    """The index, with its models' surfaces."""
+    path = tmp_path_factory.mktemp("kept") / "kept.vxi"
+    assert voxid("build", "--models", models, "--out", path, "--jobs", 2, "--keep-points").code == 0
+    return path
+
+
+def test_an_index_that_keeps_surfaces_needs_no_models(voxid, index, kept, models, queries, scene):
+    about, plain = (voxid("info", file, "--json").json for file in (kept, index))
+    assert about["surfaces"] == about["models"] and about["surface_bytes"] > 0 and plain["surfaces"] == 0
+    assert about["bytes_per_view"] == pytest.approx(plain["bytes_per_view"], abs=1)
+    ask = ["classify", scene, "--scene", "--evidence", "align", "--align", "--json", "--index"]
+    with_meshes, without = voxid(*ask, index, "--models", models).json, voxid(*ask, kept).json
+    for known, thing in zip(with_meshes["objects"], without["objects"]):
+        assert thing["label"] == known["label"] and thing["pose"]["model"] == known["pose"]["model"]
+        assert thing["pose"]["translation_mm"] == pytest.approx(known["pose"]["translation_mm"], abs=2)
+        assert thing["pose"]["scale_mm"] == pytest.approx(known["pose"]["scale_mm"], rel=0.02)
+    rows = voxid("eval", "--index", kept, "--queries", queries, "--evidence", "align", "--json").json["rows"]
+    assert rows[2]["method"] == "align" and rows[2]["top1"] >= 66
+
+
 def test_what_cannot_be(voxid, index, models, queries, scene, tmp_path):
-    voxid("eval", "--index", index, "--queries", queries, "--evidence", "align").refuses(2, "--models")
+    voxid("eval", "--index", index, "--queries", queries, "--evidence", "align").refuses(2, "--models", "--keep-points")
     voxid("eval", "--index", index, "--evidence", "size").refuses(2, "--queries")
     voxid("classify", scene, "--index", index, "--evidence", "size,align").refuses(2, "--models")
     voxid("classify", scene, "--index", index, "--scene", "--align").refuses(2, "--models")

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The files of formats 1.2 and 1.3 in profile "default", with all their sections. That of 1.0 is in
-// index_writer_test.cpp.
+// The files of formats 1.2 and 1.3 in profile "default", with all their sections, and of 1.5 in "paper". That of 1.0 is
+// in index_writer_test.cpp.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 
 #include "core/index_fixture.h"
 #include "core/projection_fixture.h"
+#include "core/surface_fixture.h"
+#include "voxid/core/kept_surface.h"
 
 namespace voxid {
 namespace {
@@ -45,6 +47,16 @@ IndexContent goldenContent1_3() {
   return content;
 }
 
+/// A model keeps its surface, the one before and the one after it do not.
+IndexContent goldenContent1_5() {
+  IndexContent content = test::randomContent(2, 2, 2, 5);
+  content.calibration = goldenContent().calibration;
+  for (ModelRecord& model : content.models) {
+    if (model.category == "c100" && model.name == "m1") model.surface = test::keptTetrahedron();
+  }
+  return content;
+}
+
 // Kept for ever: the writer makes these bytes, every reader reads them. VOXID_WRITE_GOLDEN=1 writes the file.
 std::shared_ptr<const Index> writtenAndRead(const IndexContent& content, const std::string& golden) {
   test::Folder folder;
@@ -77,25 +89,38 @@ TEST(GoldenIndex, Version1_3IsWrittenAndRead) {
   EXPECT_EQ(index->senseOf(1), "mug.n.04");
 }
 
-void expectEachFlipFound(const std::string& golden) {
+TEST(GoldenIndex, Version1_5IsWrittenAndRead) {
+  const auto index = writtenAndRead(goldenContent1_5(), "test/data/golden/v1_5.vxi");
+  EXPECT_EQ(index->header().minor, 5);
+  EXPECT_TRUE(index->surface(0).empty());
+  EXPECT_TRUE(index->surface(2).empty());
+  const auto kept = KeptSurface::of(index->surface(1));
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(kept->vertex(1), (std::array<std::int16_t, 3>{18918, -18918, -18918}));
+  EXPECT_EQ(kept->header().folds[2], 0);
+}
+
+/// Some bytes between `sparse` and `sparse_end`, which have one sum, and every byte elsewhere.
+void expectEachFlipFound(const std::string& golden, std::size_t sparse, std::size_t sparse_end) {
   test::Folder folder;
   const std::string good = readBytes(golden), path = folder.file("x.vxi");
-  const std::size_t projection = good.find(std::string(format::kProjectionMagic, 8));
-  ASSERT_NE(projection, std::string::npos);
-  const std::size_t projection_end = projection + 64 + kBytes * (kDepthBins + 8 + kLists) + 128;
-  constexpr std::size_t kStride = 101;  // in the matrix, which has one sum
-  for (std::size_t at = 0; at<good.size(); at += at> projection + 64 && at + kStride < projection_end ? kStride : 1) {
+  constexpr std::size_t kStride = 101;
+  for (std::size_t at = 0; at < good.size(); at += at > sparse && at + kStride < sparse_end ? kStride : 1) {
     std::string bad = good;
     bad[at] = static_cast<char>(bad[at] ^ 0x10);
     test::writeBytes(path, bad);
     const auto index = Index::open(path);
-    ASSERT_FALSE(index.ok() && index.value->verify().ok()) << "byte " << at;
+    ASSERT_FALSE(index.ok() && index.value->verify().ok()) << golden << ", byte " << at;
   }
 }
 
 TEST(GoldenIndex, AnyFlippedByteIsRefusedOrFound) {
-  for (const char* const golden : {"test/data/golden/v1_2.vxi", "test/data/golden/v1_3.vxi"})
-    expectEachFlipFound(golden);
+  for (const char* const golden : {"test/data/golden/v1_2.vxi", "test/data/golden/v1_3.vxi"}) {
+    const std::size_t projection = readBytes(golden).find(std::string(format::kProjectionMagic, 8));
+    ASSERT_NE(projection, std::string::npos);
+    expectEachFlipFound(golden, projection + 64, projection + 64 + kBytes * (kDepthBins + 8 + kLists) + 128);
+  }
+  expectEachFlipFound("test/data/golden/v1_5.vxi", 0, 0);
 }
 
 }  // namespace

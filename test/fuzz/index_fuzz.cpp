@@ -9,6 +9,7 @@
 #include "voxid/core/classifier.h"
 #include "voxid/core/crc32c.h"
 #include "voxid/core/index.h"
+#include "voxid/core/kept_surface.h"
 #include "voxid/core/search.h"
 #include "voxid/library/index_writer.h"
 
@@ -31,12 +32,25 @@ void search(const std::shared_ptr<const Index>& index) {
   }
 }
 
+void lookAtSurfaces(const Index& index) {
+  std::uint64_t sum = 0;
+  for (std::uint32_t model = 0; model < index.models().size; ++model) {
+    const auto kept = KeptSurface::of(index.surface(model));
+    for (std::uint32_t i = 0; kept && i < kept->header().triangles; ++i) {
+      for (const std::uint16_t corner : kept->triangle(i)) sum += static_cast<std::uint64_t>(kept->vertex(corner)[2]);
+    }
+  }
+  volatile std::uint64_t read = sum;
+  (void)read;
+}
+
 void use(const Bytes& bytes) {
   const fuzz::MemoryFile file(bytes.data(), bytes.size());
   const auto index = Index::open(file.path());
   if (index.ok() == !index.status.sentence.empty()) std::abort();  // a refusal has a reason
   if (!index.ok()) return;
   search(index.value);
+  lookAtSurfaces(*index.value);
   (void)index.value->verify();
   (void)readContent(*index.value);
 }

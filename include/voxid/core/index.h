@@ -53,6 +53,13 @@ class Index {
   /// Null in an index that has none: then calibration() counts.
   const format::Confidence* confidence() const { return confidence_; }
 
+  /// A model's surface as it is stored (voxid/core/kept_surface.h); empty if the index keeps none of it.
+  Span<const std::uint8_t> surface(std::uint32_t model) const;
+  /// Whether any model's surface is kept.
+  bool hasSurfaces() const { return !surfaces_.empty(); }
+  /// What they take of bytes(): not counted as a view's, as searching does without.
+  std::uint64_t surfaceBytes() const { return surface_offsets_.size * sizeof(std::uint64_t) + surfaces_.size; }
+
   /// The stored bytes of a view, code_bytes of them.
   const std::uint8_t* code(std::uint32_t view) const { return codes_ + std::size_t{view} * parameters_->code_bytes; }
 
@@ -118,6 +125,8 @@ class Index {
   Span<const std::uint32_t> bucket_offsets_, bucket_views_;
   Span<const char> strings_;
   Span<const std::uint32_t> senses_, hypernyms_;  // empty, or one a category
+  Span<const std::uint64_t> surface_offsets_;     // empty, or one a model and one more
+  Span<const std::uint8_t> surfaces_;
 };
 
 /// What the descriptor's settings look like in a file; a query made with others is refused.

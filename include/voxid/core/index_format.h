@@ -13,6 +13,7 @@ constexpr std::uint16_t kMinor = 1;                                     ///< of 
 constexpr std::uint16_t kMinorSenses = 2;                               ///< of files with SYNS, at least
 constexpr std::uint16_t kMinorConfidence = 2;                           ///< of files with CONF, at least
 constexpr std::uint16_t kMinorHypernyms = 3;                            ///< of files with HYPR, at least
+constexpr std::uint16_t kMinorSurfaces = 5;                            ///< of files with SURO and SURF, at least
 constexpr std::uint64_t kAlignment = 64;
 constexpr std::uint32_t kMaxSections = 64;
 
@@ -141,5 +142,18 @@ struct Confidence {
 static_assert(sizeof(Confidence) == 64, "CONF is 64 bytes");
 
 /// SUMS, once, or not at all (small, of "default", or made before format 1.4): voxid/core/sketch.h.
+
+/// SURO and SURF, both once, or not at all (made without --keep-points, or before format 1.5): the models' surfaces.
+/// SURO: models + 1 offsets into SURF, 8 bytes each; a model whose offset is that of the next has none. SURF: a surface
+/// after another: a Surface, `vertices` x 3 int16 (a coordinate in 1/65,534 of the box's diagonal, from the box's
+/// centre), `triangles` x 3 uint16 (numbers of vertices).
+struct Surface {
+  std::uint32_t vertices, triangles;  ///< at most kMaxSurfaceVertices vertices
+  std::uint8_t folds[3];              ///< of voxid::Symmetry
+  std::uint8_t zero[1];
+};
+static_assert(sizeof(Surface) == 12, "a surface's header is 12 bytes");
+constexpr std::uint32_t kMaxSurfaceVertices = 65536;
+constexpr float kSurfaceUnits = 65534;  ///< in the diagonal of the model's box
 
 }  // namespace voxid::format

@@ -39,9 +39,9 @@ class AlignedNaming {
  public:
   static constexpr std::size_t kCategories = 8, kModelsEach = 6;  ///< that are compared
 
-  /// Surfaces come from `models`, the folder that the index was made from.
+  /// `models`: as in ModelShelf.
   AlignedNaming(std::shared_ptr<const Index> index, const std::string& models)
-      : index_(std::move(index)), shelf_(models) {}
+      : index_(std::move(index)), shelf_(index_, models) {}
 
   /// Of each of the kCategories nearest categories the kModelsEach models nearest the code; those without a readable
   /// surface are left out. Fails if none has one. Reads what the shelf does not hold yet.

@@ -18,6 +18,7 @@ struct BuildOptions {
   int jobs = 1;        ///< worker processes; the bytes of the index do not depend on it
   bool resume = false;   ///< take what an interrupted build of the same models and settings left in <out>.parts
   int views_every = 1;   ///< take every n-th of the 80 directions; 4 gives the 20 of the plain icosahedron
+  bool keep_surfaces = false;  ///< each model's surface goes into the index, so that poses need no meshes
   Profile profile;       ///< that views are described with
   MeshReaderLimits mesh_limits;
 };

@@ -29,6 +29,7 @@ struct ModelRecord {
   std::vector<ViewRecord> views;  ///< by ascending direction
   std::string sense{};            ///< of the category; the synset's name in NLTK's form (mug.n.04), empty = not known
   std::string hypernyms{};        ///< of the category; as Index::hypernymsOf, empty = not known
+  std::vector<std::uint8_t> surface{};  ///< as Index::surface, empty = not kept
 };
 
 /// Everything an index holds, in memory. The order of `models` does not matter: writing sorts by category and name.
@@ -47,7 +48,7 @@ format::Calibration builtInCalibration(const Profile& profile);
 /// Writes a .vxi file beside `path`, fsyncs and renames: readers see the old file or the new one, whole. The bytes
 /// depend on the content only. Refuses (CannotDo) what a reader could not rely on: no model at all, a model without a
 /// view, two models of one category with the same name, two synsets, senses or paths of hypernyms for one category, an empty category or model
-/// name, views that do not ascend or name no direction, a code of another length, a calibration that falls, a confidence
+/// name, views that do not ascend or name no direction, a code of another length, a surface that is not whole, a calibration that falls, a confidence
 /// of no samples, parameters out of range. Nothing is left beside `path` if it fails.
 Status writeIndex(const IndexContent& content, const std::string& path);
 

@@ -29,7 +29,7 @@ class ModelAligner {
   static constexpr std::size_t kModels = 10;
 
   ModelAligner(std::shared_ptr<const Index> index, const std::string& models)
-      : index_(std::move(index)), shelf_(models) {}
+      : index_(std::move(index)), shelf_(index_, models) {}
 
   /// The models of `nearest`, ordered anew; those without a readable surface are left out. Fails if none has one.
   Result<std::vector<RankedModel>> rank(const ObservedObject& object, const Nearest& nearest);

@@ -24,19 +24,21 @@ struct ShelvedModel {
   Symmetry symmetry;
 };
 
-/// Reads a model when it is first asked for, and keeps those that were asked for last. One object a thread.
+/// Reads a model when it is first asked for, and keeps those that were asked for last: its surface from the index where
+/// that keeps it, else from the folder of models. One object a thread.
 class ModelShelf {
  public:
   /// Of all models together: some thousands of the usual size (100 to 200 KiB).
   static constexpr std::size_t kMostBytes = std::size_t{512} << 20;
 
-  /// `models`: the folder that an index was made from. Beyond `most_bytes` the models that were not asked for longest
-  /// are forgotten; the one asked for last is always kept.
-  explicit ModelShelf(std::string models, std::size_t most_bytes = kMostBytes)
-      : models_(std::move(models)), most_bytes_(most_bytes) {}
+  /// `models`: the folder that the index was made from; may be empty if it keeps the surfaces. Beyond `most_bytes` the
+  /// models that were not asked for longest are forgotten; the one asked for last is always kept.
+  ModelShelf(std::shared_ptr<const Index> index, std::string models, std::size_t most_bytes = kMostBytes)
+      : index_(std::move(index)), models_(std::move(models)), most_bytes_(most_bytes) {}
 
-  /// `name`: <category>/<model>. CannotDo, every time, if the folder has no such model or it cannot be read.
-  Result<std::shared_ptr<const ShelvedModel>> find(const std::string& name);
+  /// `model`: a number below index.models().size. CannotDo, every time, if it has no surface that can be read; Damaged
+  /// if the index's is not whole.
+  Result<std::shared_ptr<const ShelvedModel>> find(std::uint32_t model);
 
   std::size_t bytes() const { return bytes_; }  ///< of the models that are kept, about
 
@@ -48,10 +50,13 @@ class ModelShelf {
   };
   void forgetOldest();
 
+  Result<std::shared_ptr<const ShelvedModel>> read(std::uint32_t model) const;
+
+  std::shared_ptr<const Index> index_;
   std::string models_;
   std::size_t most_bytes_, bytes_ = 0;
   std::uint64_t asked_ = 0;
-  std::map<std::string, Book> books_;
+  std::map<std::uint32_t, Book> books_;  // by model
 };
 
 }  // namespace voxid
