@@ -39,19 +39,33 @@ VOXID_VECTORISED void toUnits(const std::int32_t* row, std::size_t size, std::in
   }
 }
 
-// The grid is the cube of side D about the centroid; what lies outside counts in the nearest cell.
-Cell cellOf(std::int16_t x, std::int16_t y, std::int16_t z) {
-  constexpr int kHalf = kUnits / 2, kCell = kUnits / VoxelGrid::kSide;
-  const auto along = [](int units) {
-    return static_cast<std::uint8_t>((std::min(std::max(units, -kHalf), kHalf - 1) + kHalf) / kCell);
-  };
-  return {along(x), along(y), along(z)};
+// A point as one word, so that what a pair asks for is one read an end: x, y, z from the centroid in D / 4096, 16 bits
+// each from the lowest.
+using Place = std::uint64_t;
+
+template <int kAxis>
+std::int32_t along(Place place) {
+  return static_cast<std::int16_t>(place >> 16 * kAxis);
 }
 
-struct Sample {
-  std::int16_t x, y, z;  // from the centroid, D / 4096
-  std::uint32_t cell;    // orderOf()
-};
+VOXID_VECTORISED void toPlaces(const std::int16_t* x, const std::int16_t* y, const std::int16_t* z, std::size_t size,
+                               Place* places) {
+  const auto bits = [](std::int16_t units) { return Place{static_cast<std::uint16_t>(units)}; };
+  for (std::size_t i = 0; i < size; ++i) places[i] = bits(x[i]) | bits(y[i]) << 16 | bits(z[i]) << 32;
+}
+
+// The grid is the cube of side D about the centroid; what lies outside counts in the nearest cell. orderOf().
+inline __attribute__((always_inline)) std::uint32_t cellAt(Place place) {
+  constexpr std::int32_t kHalf = kUnits / 2, kCell = kUnits / VoxelGrid::kSide;
+  const auto cell = [](std::int32_t units) {
+    return static_cast<std::uint32_t>(std::min(std::max(units, -kHalf), kHalf - 1) + kHalf) / kCell;
+  };
+  return cell(along<2>(place)) << 16 | cell(along<1>(place)) << 8 | cell(along<0>(place));
+}
+
+VOXID_VECTORISED void toCells(const Place* places, std::size_t size, std::uint32_t* cells) {
+  for (std::size_t i = 0; i < size; ++i) cells[i] = cellAt(places[i]);
+}
 
 // floor(sqrt(i)): the bin of a squared distance / 1024, since a bin is 32 units wide.
 constexpr int kRootTable = kFineBins * kFineBins;
@@ -65,9 +79,19 @@ RootTable makeRootTable() {
   return roots;
 }
 
-std::uint32_t squaredDistance(const Sample& a, const Sample& b) {
+inline __attribute__((always_inline)) std::uint32_t squaredDistance(Place a, Place b) {
   const auto square = [](std::int32_t d) { return static_cast<std::uint32_t>(d * d); };  // |d| <= 2^15
-  return square(a.x - b.x) + square(a.y - b.y) + square(a.z - b.z);
+  return square(along<0>(a) - along<0>(b)) + square(along<1>(a) - along<1>(b)) + square(along<2>(a) - along<2>(b));
+}
+
+// Of lines between places: their ends' cells, and the squares of their lengths in bins, below kRootTable.
+VOXID_VECTORISED void measure(const Place* a, const Place* b, std::size_t lines, std::uint32_t* from, std::uint32_t* to,
+                              std::uint32_t* bins_squared) {
+  for (std::size_t i = 0; i < lines; ++i) {
+    from[i] = cellAt(a[i]);
+    to[i] = cellAt(b[i]);
+    bins_squared[i] = std::min<std::uint32_t>(squaredDistance(a[i], b[i]) / 1024, kRootTable - 1);
+  }
 }
 
 // ---- counts ----------------------------------------------------------------------------------------------------
@@ -150,15 +174,15 @@ struct Describer::Workspace {
   VerdictTable verdicts = makeVerdictTable();
   VoxelGrid surface;
   LineWalker lines;
-  std::array<std::uint8_t, LineWalker::kLines> distance_bins;  // of the lines
+  std::array<Place, LineWalker::kLines> from, to;  // the ends of a batch of lines
+  std::array<std::uint32_t, LineWalker::kLines> bins_squared;
   PointRows points;
-  std::array<Sample, kMaxPoints> samples;
+  std::array<Place, kMaxPoints> places;
 
   Described describePoints();
   void place();
   void placeBlock(const Normaliser& normaliser, std::size_t first, std::size_t size);
   void fillSurface();
-  int distanceBin(const Sample& a, const Sample& b) const;
   Counts drawPairs(std::size_t points);
   void drawLines(std::size_t count, PairSampler& pairs);
   void countLines(std::size_t count, Counts& counts) const;
@@ -193,21 +217,15 @@ void Describer::Workspace::placeBlock(const Normaliser& normaliser, std::size_t 
   toUnits(&points.x[first], size, c.x, scale, x.data());
   toUnits(&points.y[first], size, c.y, scale, y.data());
   toUnits(&points.z[first], size, c.z, scale, z.data());
-  for (std::size_t i = 0; i < size; ++i) {
-    const Cell cell = cellOf(x[i], y[i], z[i]);
-    samples[first + i] = {x[i], y[i], z[i], orderOf(cell)};
-    surface.set(cell);
-  }
+  toPlaces(x.data(), y.data(), z.data(), size, &places[first]);
+  std::array<std::uint32_t, kBlock> cells;
+  toCells(&places[first], size, cells.data());
+  for (std::size_t i = 0; i < size; ++i) surface.set(cellOf(cells[i]));
 }
 
 void Describer::Workspace::fillSurface() {
   surface.thicken();
   surface.close();
-}
-
-int Describer::Workspace::distanceBin(const Sample& a, const Sample& b) const {
-  const std::uint32_t bin_squared = squaredDistance(a, b) / 1024;
-  return bin_squared < kRootTable ? roots[bin_squared] : kFineBins - 1;
 }
 
 Counts Describer::Workspace::drawPairs(std::size_t points) {
@@ -227,17 +245,16 @@ Counts Describer::Workspace::drawPairs(std::size_t points) {
 void Describer::Workspace::drawLines(std::size_t count, PairSampler& pairs) {
   for (std::size_t i = 0; i < count; ++i) {
     const auto [first, second] = pairs.next();
-    const Sample &a = samples[first], &b = samples[second];
-    lines.from[i] = a.cell;
-    lines.to[i] = b.cell;
-    distance_bins[i] = static_cast<std::uint8_t>(distanceBin(a, b));
+    from[i] = places[first];
+    to[i] = places[second];
   }
+  measure(from.data(), to.data(), count, lines.from.data(), lines.to.data(), bins_squared.data());
 }
 
 void Describer::Workspace::countLines(std::size_t count, Counts& counts) const {
   for (std::size_t i = 0; i < count; ++i) {
     const Verdict verdict = verdicts[entryOf({lines.inner[i], lines.on[i]})];
-    ++counts.distance[verdict.kind][distance_bins[i]];
+    ++counts.distance[verdict.kind][roots[bins_squared[i]]];
     ++counts.ratio[verdict.ratio_bin];
   }
 }

@@ -12,6 +12,10 @@ namespace voxid {
 
 /// The cell as a number that orders by z, then y, then x.
 inline std::uint32_t orderOf(Cell c) { return std::uint32_t{c.z} << 16 | std::uint32_t{c.y} << 8 | c.x; }
+inline Cell cellOf(std::uint32_t order) {
+  return {static_cast<std::uint8_t>(order), static_cast<std::uint8_t>(order >> 8),
+          static_cast<std::uint8_t>(order >> 16)};
+}
 
 class LineWalker {
  public:
