@@ -279,6 +279,10 @@ Run addEval(CLI::App& app) {
                  "With --scenes: a JSON file of what their categories may be called (default: cfg/aliases.json)")
       ->type_name("FILE")
       ->needs(scenes);
+  app.add_option("--look-alikes", options->scenes.look_alikes,
+                 "With --scenes: a YAML file of shapes that nobody can tell apart (default: cfg/look_alikes.yaml)")
+      ->type_name("FILE")
+      ->needs(scenes);
   options->scenes.evidence.addTo(app);
   CLI::Option* const comparing = app.add_flag(
       "--compare", options->comparing, "Descriptors beside one another on the same views; PCL's ESF among them");

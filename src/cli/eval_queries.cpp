@@ -4,9 +4,10 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <map>
 #include <mutex>
 #include <thread>
+
+#include "look_alikes.h"
 
 namespace voxid::cli {
 namespace {
@@ -118,31 +119,18 @@ Json alignedRow(const Index& index, const std::vector<Query>& queries, const All
   return row;
 }
 
-/// By category, its path of hypernyms between slashes: "/entity.n.01/.../mug.n.04/".
-std::map<std::string, std::string> pathsOf(const Index& index) {
-  std::map<std::string, std::string> paths;
-  for (std::uint32_t i = 0; i < index.categories().size; ++i) {
-    const std::string_view path = index.hypernymsOf(i);
-    if (!path.empty()) paths[std::string(index.categoryName(i))] = "/" + std::string(path) + "/";
-  }
-  return paths;
-}
-
-bool oneHoldsTheOther(const std::string& a, const std::string& b) {
-  return !a.empty() && !b.empty() && (a.rfind(b, 0) == 0 || b.rfind(a, 0) == 0);
-}
-
 /// What answers are worth as synsets instead of categories.
 Json levelsOf(const Index& index, const std::vector<Query>& queries, const std::vector<Outcome>& outcomes) {
-  auto paths = pathsOf(index);
+  const SynsetPaths paths = synsetPathsOf(index);
   if (paths.empty()) return nullptr;
   int same = 0, told = 0, right = 0, mistaken = 0, saved = 0;
   for (std::size_t i = 0; i < queries.size(); ++i) {
     const Outcome& outcome = outcomes[i];
-    const std::string &truth = paths[queries[i].category], &answer = paths[outcome.label];
-    const bool holds = !outcome.coarse.empty() && truth.find("/" + outcome.coarse + "/") != std::string::npos;
+    const auto truth = paths.find(queries[i].category);
+    const bool holds = !outcome.coarse.empty() && truth != paths.end() &&
+                       truth->second.find("/" + outcome.coarse + "/") != std::string::npos;
     const bool wrong = outcome.label != queries[i].category;
-    same += !wrong || oneHoldsTheOther(truth, answer);
+    same += sameOrAbove(paths, queries[i].category, outcome.label);
     told += !outcome.coarse.empty();
     right += holds;
     mistaken += wrong && !outcome.coarse.empty();

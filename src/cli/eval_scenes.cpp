@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <numeric>
 #include <optional>
 
 #include "compare_views.h"
 #include "evaluation.h"
+#include "look_alikes.h"
 #include "nearest_codes.h"
 #include "scene_objects.h"
 #include "voxid/geometry/segmenter.h"
@@ -53,34 +55,64 @@ Result<std::vector<Choice>> choicesOf(const Index& index, const std::string& cat
   return choices;
 }
 
-bool isRight(const SceneObject& object, std::string_view label) {
-  return std::find(object.right.begin(), object.right.end(), label) != object.right.end();
+/// What counts as right.
+struct Level {
+  std::function<std::string(const std::string&)> class_of;               ///< of an object's first right name
+  std::function<bool(const std::string&, const std::string&)> is_right;  ///< a right name; the answer
+};
+
+Level byCategory() {
+  return {[](const std::string& name) { return name; }, std::equal_to<std::string>()};
+}
+
+Level byShape(const LookAlikes& look_alikes) {
+  const auto group_of = [&look_alikes](const std::string& name) {
+    const auto found = look_alikes.find(name);
+    return found == look_alikes.end() ? name : found->second;
+  };
+  return {group_of, [group_of](const std::string& a, const std::string& b) { return group_of(a) == group_of(b); }};
+}
+
+Level bySynset(const SynsetPaths& paths) {
+  return {[](const std::string& name) { return name; },
+          [&paths](const std::string& a, const std::string& b) { return sameOrAbove(paths, a, b); }};
 }
 
 struct Tally {
   int objects = 0, right = 0, in_five = 0;
   std::map<std::string, int> wrong;  ///< labels
 
-  void add(const Index& index, const SceneObject& object, const Answer& answer) {
+  void add(const Level& level, const SceneObject& object, const std::vector<std::string>& answers) {
     ++objects;
-    const auto labelAt = [&](int i) {
-      return index.categoryName(answer.alternatives[static_cast<std::size_t>(i)].category);
+    const auto isRight = [&](const std::string& answer) {
+      return std::any_of(object.right.begin(), object.right.end(),
+                         [&](const std::string& name) { return level.is_right(name, answer); });
     };
-    const std::string label(answer.count > 0 ? labelAt(0) : "");
-    if (isRight(object, label))
+    const std::string first = answers.empty() ? "" : answers[0];
+    if (isRight(first))
       ++right;
     else
-      ++wrong[label];
-    bool met = false;
-    for (int i = 0; i < std::min(answer.count, 5); ++i) met |= isRight(object, labelAt(i));
-    in_five += met;
+      ++wrong[first];
+    in_five += std::any_of(answers.begin(), answers.end(), isRight);
   }
 };
 
+/// The first five.
+std::vector<std::string> namesOf(const Index& index, const Answer& answer) {
+  std::vector<std::string> names;
+  for (int i = 0; i < std::min(answer.count, 5); ++i)
+    names.emplace_back(index.categoryName(answer.alternatives[static_cast<std::size_t>(i)].category));
+  return names;
+}
+
 double percent(int part, int whole) { return rounded(100.0 * part / whole); }
 
-/// By class, which is an object's first right name.
+/// By class.
 using Tallies = std::map<std::string, Tally>;
+
+void add(const Level& level, const SceneObject& object, const std::vector<std::string>& answers, Tallies& tallies) {
+  tallies[level.class_of(object.right[0])].add(level, object, answers);
+}
 
 std::string mostFrequent(const std::map<std::string, int>& counts) {
   const auto most =
@@ -98,7 +130,6 @@ Json figuresOf(const Tallies& tallies) {
     shares += 100.0 * tally.right / tally.objects;
   }
   Json figures;
-  figures["objects"] = objects;
   figures["top1"] = percent(right, objects);
   figures["mean_category"] = rounded(shares / static_cast<double>(tallies.size()));
   figures["top5"] = percent(in_five, objects);
@@ -117,6 +148,12 @@ Json classesOf(const Tallies& tallies) {
   return classes;
 }
 
+/// What makes two categories as good as one.
+struct Likeness {
+  LookAlikes look_alikes;
+  SynsetPaths synsets;
+};
+
 /// What counts beside the codes; null: does not.
 struct Evidence {
   const SizeTable* sizes = nullptr;
@@ -131,8 +168,8 @@ SupportPlane supportIn(const DepthView& depth, Segmenter& segmenter) {
 }
 
 /// By vote, or by models aligned with the object.
-Result<Answer> answerFor(const Index& index, const ObservedObject& object, const Nearest& found, const CodeSearch& search,
-                         AlignedNaming* naming) {
+Result<Answer> answerFor(const Index& index, const ObservedObject& object, const Nearest& found,
+                         const CodeSearch& search, AlignedNaming* naming) {
   if (naming == nullptr) return classify(index, found, ClassifyMethod::Vote, 0);
   auto candidates = naming->candidates(search.query(), found);
   if (!candidates.ok()) return candidates.status;
@@ -140,12 +177,54 @@ Result<Answer> answerFor(const Index& index, const ObservedObject& object, const
   return naming->name(found, candidates.value, 0);
 }
 
+/// What is asked of every descriptor.
+struct Questions {
+  const Index& index;
+  const SceneObjects& scenes;
+  const std::vector<Choice>& choices;
+  const Likeness& likeness;
+};
+
+/// The answers of one row, counted.
+class Counts {
+ public:
+  Counts(const Index& index, const Likeness& likeness)
+      : index_(index),
+        likeness_(likeness),
+        by_shape_(byShape(likeness.look_alikes)),
+        by_synset_(bySynset(likeness.synsets)) {}
+
+  void add(const SceneObject& object, const Answer& vote, const Answer& nearest) {
+    const std::vector<std::string> names = namesOf(index_, vote);
+    cli::add(by_category_, object, names, all_);
+    cli::add(by_shape_, object, names, merged_);
+    cli::add(by_synset_, object, names, synsets_);
+    cli::add(by_category_, object, namesOf(index_, nearest), by_nearest_);
+  }
+
+  void write(int objects, Json& row) const {
+    row["objects"] = objects;
+    row.update(figuresOf(all_));
+    row["nearest"] = figuresOf(by_nearest_);
+    row["merged"] = figuresOf(merged_);
+    row["synsets"] = likeness_.synsets.empty() ? Json(nullptr) : figuresOf(synsets_);
+    row["classes"] = classesOf(all_);
+  }
+
+ private:
+  const Index& index_;
+  const Likeness& likeness_;
+  const Level by_category_ = byCategory(), by_shape_, by_synset_;
+  Tallies all_, merged_, synsets_, by_nearest_;
+};
+
 /// All objects by one descriptor, mask and choice.
-Result<Json> rowOf(const Index& index, const SceneObjects& scenes, CodeSearch& search,
-                   std::pair<const char*, Mask> mask, const Choice& choice, const Evidence& evidence) {
-  Tallies all, by_nearest;
+Result<Json> rowOf(const Questions& questions, CodeSearch& search, std::pair<const char*, Mask> mask,
+                   const Choice& choice, const Evidence& evidence) {
+  const Index& index = questions.index;
+  Counts counts(index, questions.likeness);
   Segmenter segmenter;
-  for (const SceneObject& object : scenes.objects) {
+  for (const SceneObject& object : questions.scenes.objects) {
     const auto& pixels = mask.second == Mask::True ? object.true_pixels : object.own_pixels;
     const DepthView depth = object.depth->view();
     const Span<const std::uint32_t> shown{pixels.data(), pixels.size()};
@@ -156,23 +235,17 @@ Result<Json> rowOf(const Index& index, const SceneObjects& scenes, CodeSearch& s
     const auto answer =
         found ? answerFor(index, {depth, shown, support}, *found, search, evidence.naming) : Result<Answer>(Answer{});
     if (!answer.ok()) return answer.status;
-    all[object.right[0]].add(index, object, answer.value);
-    by_nearest[object.right[0]].add(index, object,
-                                    found ? classify(index, *found, ClassifyMethod::OneNn, 0) : Answer{});
+    counts.add(object, answer.value, found ? classify(index, *found, ClassifyMethod::OneNn, 0) : Answer{});
   }
   Json row{{"descriptor", search.code().name}, {"mask", mask.first}, {"choice", choice.name}};
-  row.update(figuresOf(all));
-  row["nearest"] = figuresOf(by_nearest);
-  row["nearest"].erase("objects");
-  row["classes"] = classesOf(all);
+  counts.write(static_cast<int>(questions.scenes.objects.size()), row);
   return row;
 }
 
-Status addRows(const Index& index, const SceneObjects& scenes, CodeSearch search, const std::vector<Choice>& choices,
-               const Evidence& evidence, Json& rows) {
+Status addRows(const Questions& questions, CodeSearch search, const Evidence& evidence, Json& rows) {
   for (const auto& mask : kMasks) {
-    for (const Choice& choice : choices) {
-      auto row = rowOf(index, scenes, search, mask, choice, evidence);
+    for (const Choice& choice : questions.choices) {
+      auto row = rowOf(questions, search, mask, choice, evidence);
       if (!row.ok()) return row.status;
       rows.push_back(std::move(row.value));
     }
@@ -181,24 +254,24 @@ Status addRows(const Index& index, const SceneObjects& scenes, CodeSearch search
 }
 
 /// The index's own descriptor on all its views.
-Status addOwnRows(const Index& index, const SceneObjects& scenes, const std::vector<Choice>& choices,
-                  const Evidence& evidence, Json& rows) {
+Status addOwnRows(const Questions& questions, const Evidence& evidence, Json& rows) {
+  const Index& index = questions.index;
   const auto code = ownCode(index);
   std::vector<std::uint32_t> views(index.viewCount());
   std::iota(views.begin(), views.end(), 0u);
   const auto code_at = [&](std::size_t view) { return index.code(static_cast<std::uint32_t>(view)); };
-  return addRows(index, scenes, CodeSearch(index, *code, views, code_at), choices, evidence, rows);
+  return addRows(questions, CodeSearch(index, *code, views, code_at), evidence, rows);
 }
 
 /// Every compared descriptor on the same views.
-Status addComparedRows(const Index& index, const SceneObjects& scenes, const CompareOptions& options,
-                       const std::vector<Choice>& choices, const SizeTable* sizes, Json& rows) {
+Status addComparedRows(const Questions& questions, const CompareOptions& options, const SizeTable* sizes, Json& rows) {
+  const Index& index = questions.index;
   const auto compared = describeViews(index, options.models, options.every, options.jobs);
   if (!compared.ok()) return compared.status;
   const auto codes = comparedCodes(index);
   for (std::size_t i = 0; i < codes.size(); ++i) {
-    const Status status = addRows(
-        index, scenes, CodeSearch(index, *codes[i], compared.value.views, compared.value.codesOf(i)), choices, {sizes}, rows);
+    CodeSearch search(index, *codes[i], compared.value.views, compared.value.codesOf(i));
+    const Status status = addRows(questions, std::move(search), {sizes}, rows);
     if (!status.ok()) return status;
   }
   return {};
@@ -211,6 +284,8 @@ Result<Json> evaluateScenes(const std::shared_ptr<const Index>& index, const Sce
   if (!aliases.ok()) return aliases.status;
   const auto choices = choicesOf(*index, options.categories);
   if (!choices.ok()) return choices.status;
+  const auto look_alikes = readLookAlikes(options.look_alikes);
+  if (!look_alikes.ok()) return look_alikes.status;
   const auto scenes = readSceneObjects(options.folder, *index, aliases.value);
   if (!scenes.ok()) return scenes.status;
   Json json;
@@ -226,13 +301,37 @@ Result<Json> evaluateScenes(const std::shared_ptr<const Index>& index, const Sce
   const SizeTable* const sizes = options.evidence.size() ? &table : nullptr;
   std::optional<AlignedNaming> naming;
   if (options.evidence.align()) naming.emplace(index, options.models);
-  const Status status =
-      options.comparing
-          ? addComparedRows(*index, scenes.value, options.compare, choices.value, sizes, json["rows"])
-          : addOwnRows(*index, scenes.value, choices.value, {sizes, naming ? &*naming : nullptr}, json["rows"]);
+  const Likeness likeness{look_alikes.value, synsetPathsOf(*index)};
+  const Questions questions{*index, scenes.value, choices.value, likeness};
+  const Status status = options.comparing ? addComparedRows(questions, options.compare, sizes, json["rows"])
+                                          : addOwnRows(questions, {sizes, naming ? &*naming : nullptr}, json["rows"]);
   if (!status.ok()) return status;
   return json;
 }
+
+namespace {
+
+std::string textOf(const Json& figures) {
+  char text[100];
+  std::snprintf(text, sizeof text, "top-1 %.2f %%, mean of the classes %.2f %%, top-5 %.2f %%",
+                figures["top1"].get<double>(), figures["mean_category"].get<double>(), figures["top5"].get<double>());
+  return text;
+}
+
+void printRow(const Json& row) {
+  std::printf("\n%s, mask %s, categories %s: %s\n", row["descriptor"].get<std::string>().c_str(),
+              row["mask"].get<std::string>().c_str(), row["choice"].get<std::string>().c_str(), textOf(row).c_str());
+  std::printf("  by the nearest view alone: %s\n", textOf(row["nearest"]).c_str());
+  std::printf("  shapes that look alike as one: %s\n", textOf(row["merged"]).c_str());
+  if (!row["synsets"].is_null()) std::printf("  as synsets: %s\n", textOf(row["synsets"]).c_str());
+  for (const Json& c : row["classes"]) {
+    std::printf("  %-12s %4d objects %8.2f %% %8.2f %% in five   mostly taken for %s\n",
+                c["class"].get<std::string>().c_str(), c["objects"].get<int>(), c["top1"].get<double>(),
+                c["top5"].get<double>(), c["mostly_taken_for"].get<std::string>().c_str());
+  }
+}
+
+}  // namespace
 
 void printScenes(const Json& result) {
   std::printf(
@@ -241,20 +340,7 @@ void printScenes(const Json& result) {
       result["every"].get<int>());
   for (const auto& [category, count] : result["left_out"].items())
     std::printf("left out: %s, %d objects: no such category in the index\n", category.c_str(), count.get<int>());
-  for (const Json& row : result["rows"]) {
-    std::printf(
-        "\n%s, mask %s, categories %s: top-1 %.2f %%, mean of the classes %.2f %%, top-5 %.2f %%; by the nearest view "
-        "alone %.2f, %.2f, %.2f\n",
-        row["descriptor"].get<std::string>().c_str(), row["mask"].get<std::string>().c_str(),
-        row["choice"].get<std::string>().c_str(), row["top1"].get<double>(), row["mean_category"].get<double>(),
-        row["top5"].get<double>(), row["nearest"]["top1"].get<double>(), row["nearest"]["mean_category"].get<double>(),
-        row["nearest"]["top5"].get<double>());
-    for (const Json& c : row["classes"]) {
-      std::printf("  %-12s %4d objects %8.2f %% %8.2f %% in five   mostly taken for %s\n",
-                  c["class"].get<std::string>().c_str(), c["objects"].get<int>(), c["top1"].get<double>(),
-                  c["top5"].get<double>(), c["mostly_taken_for"].get<std::string>().c_str());
-    }
-  }
+  for (const Json& row : result["rows"]) printRow(row);
 }
 
 }  // namespace voxid::cli

@@ -6,19 +6,20 @@
 #include <string>
 
 #include "compare.h"
-#include "scene_json.h"
 #include "evidence.h"
+#include "scene_json.h"
 #include "voxid/core/index.h"
 
 namespace voxid::cli {
 
 struct SceneOptions {
-  std::string folder;      ///< scenes, with objects.json
-  std::string categories;  ///< a file: the categories that may be answers, one a line; empty: all only
-  std::string aliases;     ///< a file; empty: voxid's own
+  std::string folder;       ///< scenes, with objects.json
+  std::string categories;   ///< a file: the categories that may be answers, one a line; empty: all only
+  std::string aliases;      ///< a file; empty: voxid's own
+  std::string look_alikes;  ///< a file; empty: voxid's own
   EvidenceChoice evidence;  ///< what counts beside the codes
   std::string models;       ///< the folder that the index was made from; for evidence that needs it
-  bool comparing = false;  ///< with ESF, on the views that `compare` says
+  bool comparing = false;   ///< with ESF, on the views that `compare` says
   CompareOptions compare;
 };
 

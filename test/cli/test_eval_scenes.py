@@ -6,6 +6,7 @@ import pathlib
 import cv2
 import numpy as np
 import pytest
+import yaml
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
@@ -70,6 +71,26 @@ def test_listed_categories_alone_are_answers(voxid, index, scenes, tmp_path):
     assert {c["class"]: c["mostly_taken_for"] for c in listed["classes"]} == {"cube": "", "tin": "cube"}
 
 
+def test_look_alikes_count_as_one(voxid, index, scenes, tmp_path):
+    chosen, alike = tmp_path / "list.txt", tmp_path / "alike.yaml"
+    chosen.write_text("cube\n")
+    alike.write_text("groups: {solid: {cube: flat faces, tin: round, dice: small}}\n")
+    options = ["--categories", chosen, "--look-alikes", alike]
+    listed = by_key(evaluate(voxid, index, scenes, *options).json)["default", "true", "listed"]
+    assert listed["top1"] == 50
+    assert listed["merged"] == {"top1": 100, "mean_category": 100, "top5": 100}
+    plain = by_key(evaluate(voxid, index, scenes).json)["default", "true", "all"]
+    assert plain["merged"] == {field: plain[field] for field in ("top1", "mean_category", "top5")}  # voxid's own has neither
+    answer = voxid("eval", "--index", index, "--scenes", scenes, "--aliases", scenes / "aliases.json", *options)
+    assert answer.out.count("look alike as one: top-1 100.00 %") == 4
+
+    alike.write_text("groups: {a: {cube: x}, b: {cube: y}}\n")
+    evaluate(voxid, index, scenes, "--look-alikes", alike).refuses(4, "cube is in two groups")
+    alike.write_text("groups: [cube]\n")
+    evaluate(voxid, index, scenes, "--look-alikes", alike).refuses(4, "alike.yaml")
+    evaluate(voxid, index, scenes, "--look-alikes", tmp_path / "none.yaml").refuses(1, "none.yaml")
+
+
 def test_esf_stands_beside_on_the_same_views(voxid, index, scenes, models):
     result = evaluate(voxid, index, scenes, "--compare", "--models", models, "--every", 8).json
     assert result["every"] == 8
@@ -111,6 +132,16 @@ def test_the_real_scenes(voxid, index):
     assert named["tin"] == ["can"] and named["pot"] == []
     answer = voxid("eval", "--index", index, "--scenes", folder)
     answer.refuses(3, "no object")  # the solids of this test are not what stands there
+
+
+def test_the_look_alikes_are_taught_and_each_says_why():
+    groups = yaml.safe_load((ROOT / "cfg" / "look_alikes.yaml").read_text())["groups"]
+    members = [member for group in groups.values() for member in group]
+    assert len(members) == len(set(members)) and all(len(group) > 1 for group in groups.values())
+    assert all(len(why) > 5 for group in groups.values() for why in group.values())
+    folder = ROOT / "../shared/data/models/train"
+    if folder.exists():
+        assert [member for member in members if not (folder / member).is_dir()] == []
 
 
 def test_the_table_top_list_names_taught_categories_once():
