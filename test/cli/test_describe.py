@@ -95,6 +95,20 @@ def test_two_points_are_enough(voxid, tmp_path, points):
     assert line["points"] == sum(p[0] == p[0] for p in points)
 
 
+def test_lines_planes_limits_and_a_million_points_are_described(voxid, tmp_path):
+    i = np.arange(400)
+    far = 2147.0  # metres; micrometres in 32 bits end 0.48 m farther
+    clouds = {"line": np.stack([i, 2 * i, 3 * i], 1) * 1e-3,
+              "plane": np.stack([i % 20, i // 20, 0 * i], 1) * 1e-2,
+              "limits": [(-far, -far, -far), (far, far, far), (far, -far, 0)]}
+    for name, points in clouds.items():
+        line = voxid("describe", write_xyz(tmp_path / f"{name}.xyz", points), "--json").json
+        assert line["status"] == "ok" and line["points"] == len(points), name
+    points = np.random.default_rng(1).uniform(0, 0.2, (1000000, 3))
+    line = voxid("describe", write_pcd(tmp_path / "many.pcd", points, binary=True), "--json").json
+    assert line["status"] == "ok" and sum(line["bins"]) > 0
+
+
 def test_empty_image_and_one_pixel(voxid, depth_file):
     pixels = np.zeros((480, 640), np.uint16)
     voxid("describe", depth_file("none.png", pixels)).refuses(3, "no point")

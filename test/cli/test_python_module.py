@@ -40,6 +40,20 @@ def test_points_get_the_bins_of_the_command_line(voxid, tmp_path):
     assert voxid_module.describe(points, pairs=5000).tolist() != expected
 
 
+def test_degenerate_points_have_bins_or_a_reason():
+    describe, i = voxid_module.describe, np.arange(300)
+    for few in ([], [(1, 2, 3)], [(1, 2, 3)] * 50):
+        with pytest.raises(ValueError):
+            describe(np.array(few, np.int32).reshape(-1, 3))
+    two = describe(np.array([(0, 0, 0), (1, 1, 1)], np.int32))
+    low, high = np.iinfo(np.int32).min, np.iinfo(np.int32).max
+    assert describe(np.array([(low,) * 3, (high,) * 3], np.int32)).tolist() == two.tolist()
+    many = np.random.default_rng(1).uniform(0, 0.2, (1000000, 3))
+    for points in (np.array([(0, 0, 1), (0.1, 0, 1), (0, 0.1, 1)]), np.stack([i, 2 * i, 3 * i], 1) * 1e-3,
+                   np.stack([i % 20, i // 20, 0 * i], 1) * 1e-2, many):
+        assert describe(points).sum() > 0
+
+
 def test_a_mesh_is_drawn_as_the_command_line_draws_it(voxid, models, image):
     depth, camera = voxid_module.render(str(models / "tin/tin_a.ply"), 17)
     assert camera == CAMERA and depth.dtype == np.uint16

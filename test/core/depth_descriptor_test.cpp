@@ -171,6 +171,38 @@ TEST(DepthDescriptor, WhatHasNoExtentIsSaid) {
   EXPECT_EQ(std::accumulate(bins.begin(), bins.end(), 0), 0);
 }
 
+TEST(DepthDescriptor, AFewPixelsInALineAreEnough) {
+  constexpr std::uint32_t kMiddle = 240 * kWidth + 320;
+  const Image image(plate);
+  DepthDescriber describer({100, 1});
+  DepthBins bins;
+  const auto statusOf = [&](const std::vector<std::uint32_t>& pixels) {
+    const DescribeStatus status = describer.describe(image.view(), {pixels.data(), pixels.size()}, bins);
+    EXPECT_EQ(std::accumulate(bins.begin(), bins.end(), 0) > 0, status == DescribeStatus::Ok);
+    return status;
+  };
+  EXPECT_EQ(statusOf({kMiddle}), DescribeStatus::Degenerate);
+  EXPECT_EQ(statusOf({kMiddle, kMiddle + 1}), DescribeStatus::Ok);
+  EXPECT_EQ(statusOf({kMiddle, kMiddle + 1, kMiddle + 2}), DescribeStatus::Ok);
+  std::vector<std::uint32_t> across, down;
+  for (std::uint32_t i = 0; i < 40; ++i) {
+    across.push_back(kMiddle + i);
+    down.push_back(kMiddle + i * kWidth);
+  }
+  EXPECT_EQ(statusOf(across), DescribeStatus::Ok);
+  EXPECT_EQ(statusOf(down), DescribeStatus::Ok);
+}
+
+TEST(DepthDescriptor, AMillionPixelsOfAWallAreFlat) {
+  const Image image([](int, int) { return 800; });
+  std::vector<std::uint32_t> pixels;
+  for (int round = 0; round < 4; ++round) pixels.insert(pixels.end(), image.object().begin(), image.object().end());
+  ASSERT_GT(pixels.size(), 1000000u);
+  DepthBins bins;
+  ASSERT_EQ(DepthDescriber({1000, 1}).describe(image.view(), {pixels.data(), pixels.size()}, bins), DescribeStatus::Ok);
+  EXPECT_GT(shareOf(bins, "normal's slope", 31, 31), 0.98);
+}
+
 TEST(DepthDescriptor, AnyCameraAndDepthIsBounded) {
   for (const double f_px : {0.001, 3.0, 30000.0}) {
     for (const int step_mm : {0, 1, 60000}) {

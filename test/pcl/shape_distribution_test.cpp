@@ -125,6 +125,21 @@ TEST(ShapeDistribution, AnswersDegenerateCloudsWithAStatus) {
   expectBins(signature, Describer().describe(test::spanOf(two)).bins);
 }
 
+TEST(ShapeDistribution, AnswersLinesPlanesAndAMillionPointsAsTheCoreDoes) {
+  test::Cloud line, plane, many;
+  for (std::int32_t i = 0; i < 300; ++i) {
+    line.push_back({1000 * i, 2000 * i, 3000 * i});
+    plane.push_back({i % 20 * 1000, i / 20 * 1000, 1000000});
+  }
+  for (std::int32_t i = 0; i < 1000000; ++i) many.push_back({i % 1000 * 100, i / 1000 * 100, 900000 + i % 7 * 1000});
+  for (const test::Cloud& cloud : {test::Cloud{{1, 2, 3}, {500, 2, 3}, {1, 900, 3}}, line, plane, many}) {
+    ShapeDistributionEstimation<pcl::PointXYZ> estimation;
+    Signatures signature;
+    estimate(estimation, toPcl(cloud), signature);
+    expectBins(signature, Describer().describe(test::spanOf(cloud)).bins);
+  }
+}
+
 TEST(ShapeDistribution, TakesTheParametersOfTheDescriptor) {
   const DescriptorParams params{4000, 7};
   ShapeDistributionEstimation<pcl::PointXYZ> estimation(params);
