@@ -17,6 +17,7 @@ using visualization_msgs::Marker;
 constexpr std::int32_t kNear_um = 300000, kFar_um = 3000000;  // of the grey scale
 constexpr double kThinnest_m = 0.001;                         // rviz refuses a box without thickness
 constexpr double kTextHeight_m = 0.03;
+constexpr double kLine_m = 0.004;
 
 cv::Vec3b bgrOf(int id) {
   const auto rgb = colourOf(id);
@@ -130,19 +131,66 @@ Marker captionMarker(const Objects& objects, const Object& object) {
 }
 
 Marker outlineOf(const Objects& objects) {
-  if (objects.table.outline.empty()) return deletion(objects, "table", 0);
   Marker m = marker(objects, "table", 0, Marker::LINE_STRIP);
   m.points = objects.table.outline;
   m.points.push_back(m.points.front());
-  m.scale.x = 0.004;
+  m.scale.x = kLine_m;
   m.color.g = m.color.a = 1;
   m.color.r = m.color.b = 0.4f;
   return m;
 }
 
-bool isThere(const Objects& objects, int id) {
-  return std::any_of(objects.objects.begin(), objects.objects.end(),
-                     [id](const Object& object) { return object.id == id; });
+std_msgs::ColorRGBA colourOf(const Eigen::Vector3d& rgb) {
+  std_msgs::ColorRGBA colour;
+  colour.r = static_cast<float>(rgb.x());
+  colour.g = static_cast<float>(rgb.y());
+  colour.b = static_cast<float>(rgb.z());
+  colour.a = 1;
+  return colour;
+}
+
+void addLine(const Eigen::Vector3d& from, const Eigen::Vector3d& to, const Eigen::Vector3d& rgb, Marker* m) {
+  m->points.push_back(pointOf(from));
+  m->points.push_back(pointOf(to));
+  m->colors.insert(m->colors.end(), 2, colourOf(rgb));
+}
+
+/// The twelve edges: from each corner along each axis on whose lower side it lies.
+void addBoxEdges(const Eigen::Vector3d& half_m, const Eigen::Vector3d& rgb, Marker* m) {
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d signs(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (signs[axis] > 0) continue;
+      Eigen::Vector3d other = signs;
+      other[axis] = 1;
+      addLine(signs.cwiseProduct(half_m), other.cwiseProduct(half_m), rgb, m);
+    }
+  }
+}
+
+void addAxes(const ModelPose& model, double half_m, Marker* m) {
+  if (!model.rotation_known) {
+    const Eigen::Vector3d axis = eigenOf(model.pose.pose.orientation).conjugate() * eigenOf(model.free_axis) * half_m;
+    addLine(-axis, axis, {1, 1, 0}, m);
+    return;
+  }
+  for (int i = 0; i < 3; ++i) addLine({0, 0, 0}, half_m * Eigen::Vector3d::Unit(i), Eigen::Vector3d::Unit(i), m);
+}
+
+Marker modelOf(const Objects& objects, const Object& object) {
+  const ModelPose& model = object.model_pose;
+  Marker m = marker(objects, "model", object.id, Marker::LINE_LIST);
+  m.pose = model.pose.pose;
+  m.scale.x = kLine_m / 2;
+  m.color.a = 1;
+  addBoxEdges(eigenOf(model.extents_m) / 2, {1, 1, 1}, &m);
+  addAxes(model, static_cast<double>(model.scale_m) / 2, &m);
+  return m;
+}
+
+bool isThere(const Marker& wanted, const std::vector<Marker>& markers) {
+  return std::any_of(markers.begin(), markers.end(),
+                     [&](const Marker& m) { return m.id == wanted.id && m.ns == wanted.ns; });
 }
 
 }  // namespace
@@ -165,17 +213,17 @@ cv::Mat drawOverlay(const DepthView& depth, const Segments& segments, const Obje
   return image;
 }
 
-visualization_msgs::MarkerArray markersOf(const Objects& objects, const std::vector<std::uint16_t>& previous_ids) {
+visualization_msgs::MarkerArray markersOf(const Objects& objects, const visualization_msgs::MarkerArray& previous) {
   visualization_msgs::MarkerArray array;
-  array.markers.push_back(outlineOf(objects));
+  if (!objects.table.outline.empty()) array.markers.push_back(outlineOf(objects));
   for (const Object& object : objects.objects) {
     array.markers.push_back(boxOf(objects, object));
     array.markers.push_back(captionMarker(objects, object));
+    if (object.model_pose.status == ModelPose::ALIGNED) array.markers.push_back(modelOf(objects, object));
   }
-  for (const int id : previous_ids) {
-    if (isThere(objects, id)) continue;
-    array.markers.push_back(deletion(objects, "box", id));
-    array.markers.push_back(deletion(objects, "label", id));
+  for (const Marker& shown : previous.markers) {
+    if (shown.action == Marker::ADD && !isThere(shown, array.markers))
+      array.markers.push_back(deletion(objects, shown.ns.c_str(), shown.id));
   }
   return array;
 }

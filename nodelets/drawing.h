@@ -21,9 +21,10 @@ std::string captionOf(const Object& object);
 /// outline, and the clusters that are no objects with the reason; 8-bit BGR.
 cv::Mat drawOverlay(const DepthView& depth, const Segments& segments, const Objects& objects);
 
-/// Boxes (namespace "box", CUBE), captions ("label", TEXT_VIEW_FACING) by object id, and the table's outline ("table",
-/// LINE_STRIP, id 0) in the frame of `objects`. What the `previous_ids` objects of the message before had and this one
-/// has not is deleted.
-visualization_msgs::MarkerArray markersOf(const Objects& objects, const std::vector<std::uint16_t>& previous_ids);
+/// Boxes (namespace "box", CUBE), captions ("label", TEXT_VIEW_FACING) and the boxes of aligned models with their axes
+/// ("model", LINE_LIST) by object id, and the table's outline ("table", LINE_STRIP, id 0) in the frame of `objects`. A
+/// model's x, y, z are red, green, blue; if its rotation is not known, the axis that it may stand turned about is
+/// yellow instead. What `previous` showed and this does not is deleted.
+visualization_msgs::MarkerArray markersOf(const Objects& objects, const visualization_msgs::MarkerArray& previous);
 
 }  // namespace voxid

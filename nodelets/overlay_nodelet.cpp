@@ -66,9 +66,8 @@ void OverlayNodelet::listenForOverlay(bool wanted) {
 
 void OverlayNodelet::onObjects(const ObjectsConstPtr& objects) {
   const Stopwatch watch;
-  markers_.publish(markersOf(*objects, shown_ids_));
-  shown_ids_.clear();
-  for (const Object& object : objects->objects) shown_ids_.push_back(object.id);
+  shown_ = markersOf(*objects, shown_);
+  markers_.publish(shown_);
   health_.frame(objects->header.stamp, statusName(objects->status));
   health_.cost(watch.ms(), watch.cpuMs());
 }

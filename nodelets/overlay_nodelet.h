@@ -5,11 +5,11 @@
 #include <nodelet/nodelet.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
+#include <visualization_msgs/MarkerArray.h>
 #include <voxid/Objects.h>
 #include <voxid/Segments.h>
 
 #include <memory>
-#include <vector>
 
 #include "frame_sync.h"
 #include "health.h"
@@ -35,7 +35,7 @@ class OverlayNodelet : public nodelet::Nodelet {
                const SegmentsConstPtr& segments, const ObjectsConstPtr& objects);
 
   bool closing_ = false;
-  std::vector<std::uint16_t> shown_ids_;
+  visualization_msgs::MarkerArray shown_;
   Health health_;
   ros::Publisher markers_, overlay_;
   ros::Subscriber marker_objects_;

@@ -465,7 +465,7 @@ TEST(Cloud, HasThePointsInMetresWithTheirColour) {
 TEST(Markers, BoxLabelAndOutline) {
   const Objects objects = numberedObjects();
   const auto array = markersOf(objects, {});
-  ASSERT_EQ(array.markers.size(), 3u);
+  ASSERT_EQ(array.markers.size(), 4u);
   const auto& outline = array.markers[0];
   EXPECT_EQ(outline.type, visualization_msgs::Marker::LINE_STRIP + 0);
   ASSERT_EQ(outline.points.size(), 4u);  // closed
@@ -504,19 +504,63 @@ TEST(Caption, NamesTheCoarserThingWhereTheLabelIsUnsure) {
   EXPECT_EQ(captionOf(object), "mug 80 %") << "nothing else speaks for it";
 }
 
-TEST(Markers, WhatIsGoneIsDeleted) {
-  Objects objects = numberedObjects();
-  const auto kept = markersOf(objects, {3, 4});
-  ASSERT_EQ(kept.markers.size(), 5u);
-  for (int i = 3; i < 5; ++i) {
-    EXPECT_EQ(kept.markers[i].action, visualization_msgs::Marker::DELETE + 0);
-    EXPECT_EQ(kept.markers[i].id, 4);
+/// Ends of the lines of one colour, in the marker's frame.
+std::vector<Eigen::Vector3d> endsOf(const visualization_msgs::Marker& marker, float r, float g, float b) {
+  std::vector<Eigen::Vector3d> ends;
+  for (std::size_t i = 0; i < marker.points.size(); ++i) {
+    const std_msgs::ColorRGBA& c = marker.colors[i];
+    if (c.r == r && c.g == g && c.b == b) ends.push_back(eigenOf(marker.points[i]));
   }
+  return ends;
+}
+
+TEST(Markers, AnAlignedModelIsItsBoxWithItsAxes) {
+  Objects objects = numberedObjects();
+  ModelPose& model = objects.objects[0].model_pose;
+  model.rotation_known = true;
+  const auto marker = markersOf(objects, {}).markers[3];
+  EXPECT_EQ(marker.ns, "model");
+  EXPECT_EQ(marker.id, 3);
+  EXPECT_EQ(marker.type, visualization_msgs::Marker::LINE_LIST + 0);
+  EXPECT_EQ(marker.pose, model.pose.pose);
+  const auto edges = endsOf(marker, 1, 1, 1);
+  ASSERT_EQ(edges.size(), 24u);
+  for (const Eigen::Vector3d& end : edges)
+    EXPECT_LT((end.cwiseAbs() - Eigen::Vector3d(0.055, 0.045, 0.035)).norm(), 1e-12);
+  double length_m = 0;
+  for (std::size_t i = 0; i < edges.size(); i += 2) length_m += (edges[i] - edges[i + 1]).norm();
+  EXPECT_NEAR(length_m, 4 * (0.11 + 0.09 + 0.07), 1e-9);
+  EXPECT_NEAR(endsOf(marker, 0, 1, 0)[1].y(), 0.0875, 1e-6) << "the model's y is green";
+
+  model.rotation_known = false;
+  const auto free = markersOf(objects, {}).markers[3];
+  EXPECT_TRUE(endsOf(free, 0, 1, 0).empty());
+  const auto axis = endsOf(free, 1, 1, 0);
+  ASSERT_EQ(axis.size(), 2u);
+  const Eigen::Vector3d along = eigenOf(free.pose.orientation) * (axis[1] - axis[0]).normalized();
+  EXPECT_LT((along - eigenOf(model.free_axis)).norm(), 1e-6);
+}
+
+TEST(Markers, WhatIsGoneIsDeleted) {
+  const auto deleted = [](const visualization_msgs::MarkerArray& array) {
+    std::set<std::string> names;
+    for (const auto& m : array.markers)
+      if (m.action == visualization_msgs::Marker::DELETE) names.insert(m.ns + std::to_string(m.id));
+    return names;
+  };
+  Objects objects = numberedObjects();
+  const auto all = markersOf(objects, {});
+  EXPECT_TRUE(deleted(markersOf(objects, all)).empty());
+  objects.objects[0].model_pose.status = ModelPose::WAITING;  // it was moved
+  const auto moved = markersOf(objects, all);
+  EXPECT_EQ(deleted(moved), (std::set<std::string>{"model3"}));
+  objects.objects[0].id = 4;
+  EXPECT_EQ(deleted(markersOf(objects, moved)), (std::set<std::string>{"box3", "label3"}));
   objects.objects.clear();
   objects.table = {};
-  const auto gone = markersOf(objects, {3});
-  ASSERT_EQ(gone.markers.size(), 3u);
-  for (const auto& marker : gone.markers) EXPECT_EQ(marker.action, visualization_msgs::Marker::DELETE + 0);
+  const auto gone = markersOf(objects, all);
+  EXPECT_EQ(deleted(gone), (std::set<std::string>{"table0", "box3", "label3", "model3"}));
+  EXPECT_TRUE(markersOf(objects, gone).markers.empty()) << "said once";
 }
 
 TEST(Overlay, ColoursTheObjectAndNothingElse) {
