@@ -1,139 +1,40 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "voxid/library/mesh_reader.h"
 
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
+#include <spawn.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <assimp/Importer.hpp>
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
 #include <cctype>
 #include <cerrno>
 #include <chrono>
-#include <cstdio>
 #include <cstring>
-#include <fstream>
+#include <filesystem>
+#include <iterator>
+
+#include "mesh_import.h"
 
 namespace voxid {
 namespace {
 
-// What the child process says before the mesh itself follows.
-struct Preamble {
-  std::uint64_t vertices = 0, triangles = 0;
-  char refusal[240] = {};  ///< empty: the mesh follows
-};
+namespace fs = std::filesystem;
+
 constexpr std::uint64_t kMaxVertices = std::uint64_t{1} << 27;  ///< some 1.5 GiB; also of triangles
 
 std::string extensionOf(const std::string& path) {
   const std::size_t dot = path.find_last_of("./");
   if (dot == std::string::npos || path[dot] == '/') return {};
   std::string extension = path.substr(dot + 1);
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
   return extension;
 }
-
-// ---- in the child process ----
-
-void refuse(Preamble& preamble, const char* why) {
-  std::snprintf(preamble.refusal, sizeof preamble.refusal, "%s", why);
-  for (char& c : preamble.refusal) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
-}
-
-void append(const aiMesh& part, Mesh& mesh) {
-  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-  for (unsigned i = 0; i < part.mNumVertices; ++i) {
-    const aiVector3D& v = part.mVertices[i];
-    mesh.vertices.push_back({v.x, v.y, v.z});
-  }
-  for (unsigned i = 0; i < part.mNumFaces; ++i) {
-    const aiFace& face = part.mFaces[i];
-    if (face.mNumIndices == 3) mesh.triangles.push_back({first + face.mIndices[0], first + face.mIndices[1], first + face.mIndices[2]});
-  }
-}
-
-Mesh import(const std::string& path, Preamble& preamble) {
-  Assimp::Importer importer;
-  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_LINE | aiPrimitiveType_POINT);
-  const aiScene* const scene = importer.ReadFile(
-      path, aiProcess_Triangulate | aiProcess_JoinIdenticalVertices | aiProcess_PreTransformVertices | aiProcess_SortByPType);
-  Mesh mesh;
-  if (scene == nullptr) {
-    refuse(preamble, importer.GetErrorString());
-    return mesh;
-  }
-  for (unsigned i = 0; i < scene->mNumMeshes; ++i) append(*scene->mMeshes[i], mesh);
-  preamble.vertices = mesh.vertices.size();
-  preamble.triangles = mesh.triangles.size();
-  return mesh;
-}
-
-bool writeAll(int pipe, const void* data, std::size_t bytes) {
-  const char* at = static_cast<const char*>(data);
-  while (bytes > 0) {
-    const ssize_t written = ::write(pipe, at, bytes);
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return false;
-    at += written;
-    bytes -= static_cast<std::size_t>(written);
-  }
-  return true;
-}
-
-std::uint64_t addressSpaceNow() {
-  std::uint64_t pages = 0;
-  std::ifstream("/proc/self/statm") >> pages;
-  return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-}
-
-void limitProcess(const MeshReaderLimits& limits) {
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  const rlimit no_core{0, 0};
-  ::setrlimit(RLIMIT_CORE, &no_core);
-  const rlim_t cpu_seconds = static_cast<rlim_t>(limits.seconds) + 1;
-  const rlimit cpu{cpu_seconds, cpu_seconds};
-  ::setrlimit(RLIMIT_CPU, &cpu);
-#ifndef __SANITIZE_ADDRESS__  // its shadow alone is larger than any limit
-  const rlim_t bytes = static_cast<rlim_t>(addressSpaceNow() + limits.memory_bytes);
-  const rlimit memory{bytes, bytes};
-  ::setrlimit(RLIMIT_AS, &memory);
-#endif
-}
-
-/// Assimp and its importers talk on both, also when they die.
-void silence() {
-  const int nowhere = ::open("/dev/null", O_WRONLY);
-  ::dup2(nowhere, STDOUT_FILENO);
-  ::dup2(nowhere, STDERR_FILENO);
-}
-
-[[noreturn]] void runChild(const std::string& path, const MeshReaderLimits& limits, int pipe) {
-  limitProcess(limits);
-  silence();
-  for (const int fatal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGPIPE}) ::signal(fatal, SIG_DFL);
-  Preamble preamble;
-  Mesh mesh;
-  try {
-    mesh = import(path, preamble);
-  } catch (const std::exception& error) {
-    refuse(preamble, error.what());
-  }
-  const bool sent = writeAll(pipe, &preamble, sizeof preamble) &&
-                    writeAll(pipe, mesh.vertices.data(), mesh.vertices.size() * sizeof(Mesh::Vertex)) &&
-                    writeAll(pipe, mesh.triangles.data(), mesh.triangles.size() * sizeof(Mesh::Triangle));
-  ::_exit(sent ? 0 : 1);
-}
-
-// ---- in the calling process ----
 
 /// The reading end of the child's pipe, with a deadline for all of it.
 class Inbox {
@@ -193,7 +94,7 @@ std::string howItEnded(pid_t child) {
 }
 
 Result<Mesh> receive(Inbox& inbox, std::string& refusal) {
-  Preamble preamble;
+  MeshPreamble preamble;
   Mesh mesh;
   if (!inbox.read(&preamble, sizeof preamble)) return Status::cannotDo("no answer");
   preamble.refusal[sizeof preamble.refusal - 1] = '\0';
@@ -203,7 +104,8 @@ Result<Mesh> receive(Inbox& inbox, std::string& refusal) {
     refusal = "too large";
     return Status::cannotDo("more than " + std::to_string(kMaxVertices) + " vertices or triangles");
   }
-  const bool whole = inbox.readMany(mesh.vertices, preamble.vertices) && inbox.readMany(mesh.triangles, preamble.triangles);
+  const bool whole =
+      inbox.readMany(mesh.vertices, preamble.vertices) && inbox.readMany(mesh.triangles, preamble.triangles);
   if (!whole) return Status::cannotDo("no answer");
   return mesh;
 }
@@ -228,10 +130,62 @@ Status checkRegularFile(const std::string& path) {
   return {};
 }
 
+bool oneThread() {
+  std::error_code error;
+  const fs::directory_iterator threads("/proc/self/task", error), end;
+  return !error && std::distance(threads, end) == 1;
+}
+
+Status noProcess(int error) { return Status::cannotDo(std::string("no process for Assimp: ") + std::strerror(error)); }
+
+Result<pid_t> forkReader(const std::string& path, const MeshReaderLimits& limits, int pipe) {
+  const pid_t child = ::fork();
+  if (child == 0) importInto(pipe, path, limits);
+  if (child < 0) return noProcess(errno);
+  return child;
+}
+
+/// The file that this code was loaded from: a library, or the program.
+fs::path thisFile() {
+  Dl_info here{};
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  if (::dladdr(reinterpret_cast<const void*>(&isMeshFile), &here) == 0) return program;
+  const fs::path loaded = fs::canonical(here.dli_fname, error);
+  return error ? program : loaded;  // a program's name is as it was called
+}
+
+/// lib/voxid/voxid_read_mesh below the nearest folder above this file that has it, built or installed; else empty.
+fs::path readerProgram() {
+  for (fs::path above = thisFile().parent_path(); above.has_relative_path(); above = above.parent_path()) {
+    const fs::path program = above / "lib/voxid/voxid_read_mesh";
+    if (::access(program.c_str(), X_OK) == 0) return program;
+  }
+  return {};
+}
+
+/// Of a process with several threads a fork would copy locks that other threads hold, and stop them while it copies.
+Result<pid_t> spawnReader(const std::string& path, const MeshReaderLimits& limits, int pipe) {
+  const std::string program = readerProgram().string();
+  if (program.empty())
+    return Status::cannotDo("lib/voxid/voxid_read_mesh is not there, which reads this format: install voxid anew");
+  std::string words[] = {program, path, std::to_string(limits.seconds), std::to_string(limits.memory_bytes)};
+  char* arguments[] = {words[0].data(), words[1].data(), words[2].data(), words[3].data(), nullptr};
+  posix_spawn_file_actions_t actions;
+  ::posix_spawn_file_actions_init(&actions);
+  ::posix_spawn_file_actions_adddup2(&actions, pipe, STDOUT_FILENO);
+  pid_t child = 0;
+  const int error = ::posix_spawn(&child, program.c_str(), &actions, nullptr, arguments, environ);
+  ::posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) return noProcess(error);
+  return child;
+}
+
 }  // namespace
 
 bool isMeshFile(const std::string& name) {
-  constexpr const char* kExtensions[] = {"ply", "obj", "stl", "off", "dae", "gltf", "glb", "3ds", "fbx", "x3d", "lwo", "ac", "ase", "dxf", "blend"};
+  constexpr const char* kExtensions[] = {"ply", "obj", "stl", "off", "dae", "gltf", "glb",  "3ds",
+                                         "fbx", "x3d", "lwo", "ac",  "ase", "dxf",  "blend"};
   const std::string extension = extensionOf(name);
   return std::find(std::begin(kExtensions), std::end(kExtensions), extension) != std::end(kExtensions);
 }
@@ -241,14 +195,9 @@ Result<Mesh> readByAssimp(const std::string& path, const MeshReaderLimits& limit
   if (!readable.ok()) return readable;
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0) return Status::cannotDo(std::string("no pipe: ") + std::strerror(errno));
-  const pid_t child = ::fork();
-  if (child == 0) {
-    ::close(ends[0]);
-    runChild(path, limits, ends[1]);
-  }
+  const Result<pid_t> child = oneThread() ? forkReader(path, limits, ends[1]) : spawnReader(path, limits, ends[1]);
   ::close(ends[1]);
-  Result<Mesh> mesh = child > 0 ? receiveFrom(child, ends[0], limits)
-                                : Status::cannotDo(std::string("no process for Assimp: ") + std::strerror(errno));
+  Result<Mesh> mesh = child.ok() ? receiveFrom(child.value, ends[0], limits) : Result<Mesh>(child.status);
   ::close(ends[0]);
   return mesh;
 }

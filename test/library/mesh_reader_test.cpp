@@ -2,12 +2,16 @@
 #include "voxid/library/mesh_reader.h"
 
 #include <gtest/gtest.h>
+#include <pthread.h>
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <future>
+#include <thread>
 
 namespace voxid {
 namespace {
@@ -139,6 +143,45 @@ TEST_F(MeshReader, RefusesCountsThatTheFileCannotHold) {
 
 TEST_F(MeshReader, RefusesFacesOfVerticesThatAreNotThere) {
   EXPECT_FALSE(readPly(write("wild.ply", header("ascii") + "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 9\n")).ok());
+}
+
+std::atomic<int> forks{0};
+
+/// While it lives the process has a second thread.
+class SecondThread {
+ public:
+  ~SecondThread() {
+    ended_.set_value();
+    thread_.join();
+  }
+
+ private:
+  std::promise<void> ended_;
+  std::thread thread_{[this] { ended_.get_future().wait(); }};
+};
+
+TEST_F(MeshReader, ForksOnlyAProcessOfOneThread) {
+  ASSERT_EQ(pthread_atfork([] { ++forks; }, nullptr, nullptr), 0);
+  const std::string path = write("t.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");
+  const Result<Mesh> alone = readMesh(path);
+  ASSERT_TRUE(alone.ok()) << alone.status.sentence;
+  EXPECT_EQ(forks, 1);
+  const SecondThread second;
+  const Result<Mesh> beside = readMesh(path);
+  ASSERT_TRUE(beside.ok()) << beside.status.sentence;
+  EXPECT_EQ(forks, 1);
+  EXPECT_EQ(beside.value.vertices, alone.value.vertices);
+  EXPECT_EQ(beside.value.triangles, alone.value.triangles);
+}
+
+TEST_F(MeshReader, RefusalsAreTheSameBesideAnotherThread) {
+  const std::string path = write("empty.obj", "");
+  const std::string alone = readMesh(path).status.sentence;
+  const SecondThread second;
+  EXPECT_EQ(readMesh(path).status.sentence, alone);
+  MeshReaderLimits limits;
+  limits.seconds = 0;
+  EXPECT_EQ(readByAssimp(write("t.obj", "v 0 0 0\n"), limits).status.sentence, "Assimp took more than 0 s");
 }
 
 TEST_F(MeshReader, ReadsObjThroughAssimpAndRefusesAnEmptyOne) {

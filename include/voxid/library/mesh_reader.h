@@ -19,7 +19,8 @@ bool isMeshFile(const std::string& name);
 
 /// Reads a mesh of any common format (PLY, OBJ, STL, OFF, glTF, Collada, 3DS, ...) and keeps what can be rendered.
 /// PLY is read by voxid itself; everything else, and a PLY with elements that voxid does not know, by Assimp in a child
-/// process: a file that crashes it, hangs it or eats memory costs one refusal. Call it from a process with one thread.
+/// process: a file that crashes it, hangs it or eats memory costs one refusal. A process with one thread forks; one with
+/// several starts lib/voxid/voxid_read_mesh, as a fork would copy the locks that others hold. Any thread may call it.
 /// CannotDo: no such file, no known format, or Assimp refused, crashed or ran out of its limits. Damaged: a PLY that is
 /// cut or refers to vertices that it does not have. NothingFound: no triangle with an area.
 Result<Mesh> readMesh(const std::string& path, const MeshReaderLimits& limits = {});
