@@ -45,6 +45,7 @@ Alignment Aligner::Workspace::refined(const AlignableModel& model, const Sketch&
   Alignment result;
   result.pose = sketch.pose;
   refiner.refine(model.surface(), fine, support, fineSchedule(params.fine_steps), params.outline, result.pose);
+  PoseRefiner::lift(model.surface(), support, result.pose);
   const Placement& pose = result.pose;
   if (!pose.rotation.allFinite() || !pose.translation.allFinite() || !std::isfinite(pose.scale)) return {};
   const Judgement judgement = refiner.judge(model.surface(), fine, support, pose);

@@ -192,6 +192,13 @@ void PoseRefiner::addSupport(const SupportPlane& support, const Observation& see
   equations_.push_back({slopeOf(support.normal, lowest, pose.translation), -height_mm, weight, 0});
 }
 
+void PoseRefiner::lift(const ModelSurface& surface, const SupportPlane& support, Placement& pose) {
+  if (support.normal.isZero()) return;
+  float lowest_mm = 0;
+  for (const Vector3f& vertex : surface.vertices) lowest_mm = std::min(lowest_mm, distanceFrom(support, pose(vertex)));
+  pose.translation += std::max(0.0f, -lowest_mm - SupportPlane::kMostBelow_mm) * support.normal;
+}
+
 PoseRefiner::Cost PoseRefiner::costOf(const Observation& seen, std::size_t cell) {
   const bool covered = painter_.covers(cell);
   if (seen.object[cell] && !covered) return {1, 1};

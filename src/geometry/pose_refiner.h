@@ -39,6 +39,9 @@ class PoseRefiner {
   void refine(const ModelSurface& surface, const Observation& seen, const SupportPlane& support,
               const Schedule& schedule, bool outline, Placement& pose);
 
+  /// Lifts a model that reaches farther than SupportPlane::kMostBelow_mm below the table.
+  static void lift(const ModelSurface& surface, const SupportPlane& support, Placement& pose);
+
   Judgement judge(const ModelSurface& surface, const Observation& seen, const SupportPlane& support,
                   const Placement& pose);
 

@@ -5,7 +5,11 @@
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
+#include "geometry/solids.h"
+#include "voxid/geometry/alignment.h"
 #include "voxid/geometry/segmenter.h"
+#include "voxid/library/model_surface.h"
+#include "voxid/library/views.h"
 
 namespace voxid {
 namespace {
@@ -21,13 +25,17 @@ class RealScenes : public ::testing::Test {
   const Scene& segment(const std::string& name) {
     depth_ = cv::imread(kFolder + name + "_depth.png", cv::IMREAD_UNCHANGED);
     labels_ = cv::imread(kFolder + name + "_labels.png", cv::IMREAD_UNCHANGED);
+    return segmenter_.segment(view(), SegmentParams{});
+  }
+
+  DepthView view() const {
     DepthView view;
     view.data = depth_.data;
     view.width_px = depth_.cols;
     view.height_px = depth_.rows;
     view.row_bytes = depth_.step[0];
     view.camera = Camera::fromPixels(525, 525, 319.5, 239.5);
-    return segmenter_.segment(view, SegmentParams{});
+    return view;
   }
 
   /// Share of the object's labelled pixels that the scene's best cluster holds.
@@ -61,6 +69,41 @@ TEST_F(RealScenes, ATableThatObjectsCover) {
   ASSERT_EQ(scene.status, SceneStatus::Ok);
   EXPECT_NEAR(scene.table.distance_m, 0.59, 0.03);
   EXPECT_GE(scene.clusters.size, 8u);
+}
+
+float lowestOf(const ModelSurface& surface, const Placement& pose, const SupportPlane& support) {
+  float lowest_mm = 1000;
+  for (const Eigen::Vector3f& vertex : surface.vertices)
+    lowest_mm = std::min(lowest_mm, support.normal.dot(pose(vertex)) + support.distance_mm);
+  return lowest_mm;
+}
+
+TEST_F(RealScenes, NoAlignedModelReachesBelowTheTable) {
+  const Span<const format::Direction> directions{viewDirections().data(), viewDirections().size()};
+  const AlignableModel box(surfaceOf(test::box(2, 3, 1)), directions);
+  const AlignableModel can(surfaceOf(test::cylinder(1, 2.5f)), directions);
+  Aligner aligner;
+  int aligned = 0, near = 0;
+  for (const char* const name : {"learn0", "learn33", "learn40"}) {
+    const Scene& scene = segment(name);
+    for (const Cluster& cluster : scene.clusters) {
+      ObservedObject object;
+      object.depth = view();
+      object.pixels = cluster.pixels;
+      object.support = {scene.table.normal, scene.table.distance_m * 1000};
+      aligner.observe(object);
+      for (const AlignableModel* const model : {&box, &can}) {
+        const Alignment found = aligner.align(*model);
+        if (!found.found) continue;
+        EXPECT_GE(lowestOf(model->surface(), found.pose, object.support), -SupportPlane::kMostBelow_mm - 0.01f)
+            << name << ", object " << cluster.id;
+        ++aligned;
+        near += found.explained > 0.7f && found.fit_mm < 4;
+      }
+    }
+  }
+  EXPECT_GE(aligned, 20);
+  EXPECT_GE(near, 5) << "boxes and cans among them are met";
 }
 
 }  // namespace

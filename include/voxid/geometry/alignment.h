@@ -44,8 +44,10 @@ class AlignableModel {
   std::unique_ptr<Looks> looks_;
 };
 
-/// What stands on the table cannot reach below it.
+/// What stands on the table cannot reach below it. The plane itself is known to a millimetre or two: no vertex of an
+/// aligned model lies more than kMostBelow_mm below.
 struct SupportPlane {
+  static constexpr float kMostBelow_mm = 2;
   Eigen::Vector3f normal{0, 0, 0};  ///< unit, away from the table; zero: there is no plane
   float distance_mm = 0;            ///< normal . p + distance_mm = 0 on the plane
 };
