@@ -33,11 +33,12 @@ void ClassificationNodelet::onInit() {
   health_.start(node, getPrivateNodeHandle(), getName());
   config_ = std::make_unique<dynamic_reconfigure::Server<ClassificationConfig>>(getPrivateNodeHandle());
   config_->setCallback([this](ClassificationConfig& config, std::uint32_t) { onConfig(config); });
+  const ClassificationStartParams at_start = classificationStartParams(getPrivateNodeHandle());
+  target_frame_ = at_start.target_frame;
+  remembers_ = at_start.memory;
   startTransforms();
-  remembers_ = getPrivateNodeHandle().param("memory", true);
-  poses_.start(node, getPrivateNodeHandle(), [this] { return params(); });
-  watch_.start(getPrivateNodeHandle().param<std::string>("index", ""),
-               getPrivateNodeHandle().param("watch_index", true));
+  poses_.start(node, at_start, [this] { return params(); });
+  watch_.start(at_start.index, at_start.watch_index);
   followIndex(watch_.index() != nullptr);
 
   frames_ = std::make_unique<Frame>(8, image_, info_, segments_, this, &ClassificationNodelet::onFrame,
@@ -175,11 +176,10 @@ void ClassificationNodelet::fillAnswers(Objects* objects) {
 void ClassificationNodelet::remember(const Objects& objects) {
   sightings_.clear();
   for (const Object& object : objects.objects) {
-    sightings_.push_back(
-        {eigenOf(object.pose.pose.position).cast<float>(), eigenOf(object.extents_m).cast<float>()});
+    sightings_.push_back({eigenOf(object.pose.pose.position).cast<float>(), eigenOf(object.extents_m).cast<float>()});
   }
   memory_->update(microsecondsOf(objects.header.stamp), eigenOf(objects.table.normal).cast<float>(),
-                  {sightings_.data(), sightings_.size()}, MemoryParams());
+                  {sightings_.data(), sightings_.size()}, memoryParams());
   const int min_score_permille = params().min_score_permille;
   for (std::size_t i = 0; i < answers_.size(); ++i)
     answers_[i] = memory_->remember(i, recognisers_->index(), answers_[i], min_score_permille);
@@ -216,7 +216,6 @@ void ClassificationNodelet::followIndex(bool replaced) {
 }
 
 void ClassificationNodelet::startTransforms() {
-  target_frame_ = getPrivateNodeHandle().param<std::string>("target_frame", "");
   if (target_frame_.empty()) return;
   transforms_ = std::make_unique<tf2_ros::Buffer>();
   transform_listener_ = std::make_unique<tf2_ros::TransformListener>(*transforms_);
@@ -225,11 +224,17 @@ void ClassificationNodelet::startTransforms() {
 void ClassificationNodelet::onConfig(const ClassificationConfig& config) {
   const std::lock_guard<std::mutex> lock(params_mutex_);
   params_ = paramsOf(config);
+  memory_params_ = memoryParamsOf(config);
 }
 
 ClassifyParams ClassificationNodelet::params() const {
   const std::lock_guard<std::mutex> lock(params_mutex_);
   return params_;
+}
+
+MemoryParams ClassificationNodelet::memoryParams() const {
+  const std::lock_guard<std::mutex> lock(params_mutex_);
+  return memory_params_;
 }
 
 }  // namespace voxid

@@ -24,11 +24,9 @@
 
 namespace voxid {
 
-/// depth/image_raw + depth/camera_info + segments of one stamp -> objects, one message a frame. Parameters: ~index
-/// (path of a .vxi file), ~watch_index (true: a replaced file is used within a second), ~target_frame (empty: poses
-/// stay in the camera's frame), ~memory (true: what earlier frames said about an object counts, too, and it keeps its
-/// number; doc/memory.md; with a moving camera name a ~target_frame that rests). Poses of models and the services:
-/// PoseFinder.
+/// depth/image_raw + depth/camera_info + segments of one stamp -> objects, one message a frame. Parameters: params.h.
+/// With memory what earlier frames said about an object counts, too, and it keeps its number (doc/memory.md). Poses of
+/// models and the services: PoseFinder.
 class ClassificationNodelet : public nodelet::Nodelet {
  public:
   ~ClassificationNodelet() override;
@@ -58,10 +56,12 @@ class ClassificationNodelet : public nodelet::Nodelet {
   void report(const Objects& objects, const Status& input);
   void reportPoses();
   ClassifyParams params() const;
+  MemoryParams memoryParams() const;
 
   bool closing_ = false;
   mutable std::mutex params_mutex_;
   ClassifyParams params_;
+  MemoryParams memory_params_;
   IndexWatch watch_;
   std::unique_ptr<RecogniserPool> recognisers_;
   std::vector<ObjectPixels> pixels_;  // of the frame's objects

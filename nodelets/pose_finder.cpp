@@ -51,14 +51,14 @@ PoseFinder::~PoseFinder() {
   if (thread_.joinable()) thread_.join();
 }
 
-void PoseFinder::start(ros::NodeHandle node, const ros::NodeHandle& private_node,
+void PoseFinder::start(ros::NodeHandle node, const ClassificationStartParams& at_start,
                        std::function<ClassifyParams()> params) {
   params_ = std::move(params);
-  models_ = private_node.param<std::string>("models", "");
-  percent_ = std::clamp(private_node.param("align_percent", 50), 1, 100);
+  models_ = at_start.models;
+  percent_ = at_start.align_percent;
   std::string trouble;
-  mode_ = modeOf(private_node.param<std::string>("align", "off"), &trouble);
-  if (mode_ != Mode::Off && !private_node.param("memory", true)) {
+  mode_ = modeOf(at_start.align, &trouble);
+  if (mode_ != Mode::Off && !at_start.memory) {
     mode_ = Mode::Off;
     trouble = "~align needs ~memory, as a pose is that of an object that keeps its number: poses stay unknown";
   }

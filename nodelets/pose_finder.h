@@ -17,6 +17,7 @@
 #include <string>
 #include <thread>
 
+#include "params.h"
 #include "pose_board.h"
 #include "recogniser.h"
 #include "voxid/library/model_aligner.h"
@@ -33,14 +34,13 @@ struct AnsweredFrame {
 };
 
 /// Aligns CAD models with objects, and answers align_object and classify_cloud, in a thread of its own that gives way
-/// to the frames' (nice 10). Parameters: ~align (off, selected, all), ~models (the folder that the index was made
-/// from), ~align_percent (share of a core that `all` may take).
+/// to the frames' (nice 10). Of the parameters align, align_percent and models.
 class PoseFinder {
  public:
   ~PoseFinder();
 
   /// `params`: how clouds are to be classified; called from the thread.
-  void start(ros::NodeHandle node, const ros::NodeHandle& private_node, std::function<ClassifyParams()> params);
+  void start(ros::NodeHandle node, const ClassificationStartParams& at_start, std::function<ClassifyParams()> params);
 
   /// Poses that were found in an index before are forgotten.
   void setIndex(const std::shared_ptr<const Index>& index);

@@ -45,7 +45,7 @@ Span<const std::uint32_t> ObjectMemory::update(std::int64_t time_us, const Eigen
   const std::size_t count = std::min(sightings.size, kMostSightings);
   numbers_.assign(count, 0);
   track_of_.assign(count, kNoTrack);
-  pairUp(up, {sightings.data, count}, static_cast<float>(params.gate_mm) / kMmPerM);
+  pairUp(up, {sightings.data, count}, static_cast<float>(params.memory_gate_mm) / kMmPerM);
   for (std::size_t i = 0; i < count; ++i) {
     if (track_of_[i] != kNoTrack) {
       follow(tracks_[track_of_[i]], sightings[i]);
@@ -61,7 +61,7 @@ Span<const std::uint32_t> ObjectMemory::update(std::int64_t time_us, const Eigen
 // A clock that went back (a recording that begins anew) leaves nothing that could be compared.
 void ObjectMemory::forgetOld(std::int64_t time_us, const MemoryParams& params) {
   for (Track& track : tracks_) {
-    if (time_us < now_us_ || time_us - track.last_us > std::int64_t{params.keep_ms} * 1000) track.number = 0;
+    if (time_us < now_us_ || time_us - track.last_us > std::int64_t{params.memory_keep_ms} * 1000) track.number = 0;
   }
 }
 
@@ -122,7 +122,7 @@ Answer ObjectMemory::remember(std::size_t sighting, const Index& index, const Ne
   if (sighting >= track_of_.size() || track_of_[sighting] == kNoTrack || answer.count == 0) return answer;
   Track& track = tracks_[track_of_[sighting]];
   Evidence& evidence = evidence_[track_of_[sighting]];
-  if (!evidence.empty()) evidence.forget((now_us_ - track.remembered_us) / 1000, params_.half_life_ms);
+  if (!evidence.empty()) evidence.forget((now_us_ - track.remembered_us) / 1000, params_.memory_half_life_ms);
   track.remembered_us = now_us_;
   const std::uint32_t usual = evidence.meanDistance();
   evidence.add(index, nearest, answer);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
 #include <nodelet/loader.h>
 #include <ros/ros.h>
@@ -20,6 +21,21 @@
 #include "table_scene.h"
 
 namespace voxid::test {
+
+/// Sets a parameter of a nodelet as `rosrun dynamic_reconfigure dynparam` does.
+inline void reconfigure(const std::string& nodelet, const std::string& name, bool boolean, int value) {
+  dynamic_reconfigure::Reconfigure change;
+  if (boolean) {
+    change.request.config.bools.resize(1);
+    change.request.config.bools[0].name = name;
+    change.request.config.bools[0].value = static_cast<std::uint8_t>(value);
+  } else {
+    change.request.config.ints.resize(1);
+    change.request.config.ints[0].name = name;
+    change.request.config.ints[0].value = value;
+  }
+  ASSERT_TRUE(ros::service::call(nodelet + "/set_parameters", change)) << name;
+}
 
 /// Segmentation, classification and overlay in a namespace of the test's own, and a camera that shows what it is told
 /// to.

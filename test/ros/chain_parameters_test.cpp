@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Every parameter of the chain, changed while it runs: the next frame is answered by it.
-#include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
 #include <ros/ros.h>
 
@@ -20,22 +19,8 @@ namespace {
 using test::Chain;
 using test::infoOf;
 using test::Listener;
+using test::reconfigure;
 using test::TableScene;
-
-/// Sets a parameter of a nodelet as `rosrun dynamic_reconfigure dynparam` does.
-void reconfigure(const std::string& nodelet, const std::string& name, bool boolean, int value) {
-  dynamic_reconfigure::Reconfigure change;
-  if (boolean) {
-    change.request.config.bools.resize(1);
-    change.request.config.bools[0].name = name;
-    change.request.config.bools[0].value = static_cast<std::uint8_t>(value);
-  } else {
-    change.request.config.ints.resize(1);
-    change.request.config.ints[0].name = name;
-    change.request.config.ints[0].value = value;
-  }
-  ASSERT_TRUE(ros::service::call(nodelet + "/set_parameters", change)) << name;
-}
 
 /// A name, whether it is a bool, and one of its limits.
 struct Setting {

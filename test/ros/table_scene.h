@@ -31,6 +31,7 @@ struct TableScene {
 
   double height_m = 0.6;  ///< of the camera above the table
   double down_deg = 40;   ///< how far the camera looks down
+  double turn_deg = 0;    ///< how far the camera has gone round the table's middle, counter-clockwise from above
   double table_half_m = 0.45, table_centre_y_m = 0.75;
   std::vector<BoxOnTable> boxes{{{-0.15, 0.70, 0.06}, {0.10, 0.08, 0.12}}};
   std::vector<BallOnTable> balls{{{0.15, 0.75, 0.06}, 0.06}};
@@ -42,7 +43,8 @@ struct TableScene {
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     pose.linear() = axes;
     pose.translation() = Eigen::Vector3d(0, 0, height_m);
-    return pose;
+    const Eigen::Translation3d middle(0, table_centre_y_m, 0);
+    return middle * Eigen::AngleAxisd(turn_deg * M_PI / 180, Eigen::Vector3d::UnitZ()) * middle.inverse() * pose;
   }
   /// A point of the table frame, as the camera sees it.
   Eigen::Vector3d inCamera(const Eigen::Vector3d& point) const { return tableFromCamera().inverse() * point; }

@@ -8,14 +8,9 @@
 
 #include "voxid/core/evidence.h"
 #include "voxid/core/span.h"
+#include "voxid/geometry/memory_params.h"
 
 namespace voxid {
-
-struct MemoryParams {
-  int gate_mm = 50;    ///< an object that is seen farther than this from where it was is another one, or was moved
-  int keep_ms = 3000;  ///< an object that is not seen is remembered so long: a hand before it, a frame without it
-  int half_life_ms = 10000;  ///< what was seen so long ago counts half
-};
 
 /// One cluster of a frame, in a frame that the table rests in.
 struct Sighting {
