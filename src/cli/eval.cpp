@@ -185,6 +185,8 @@ Status pose(const Options& options, const std::shared_ptr<const Index>& index) {
   PoseOptions poses = options.poses;
   poses.models = options.compare.models;
   poses.unseen = options.unseen;
+  poses.jobs = options.jobs;
+  poses.pcl_every = options.comparing ? options.every : 0;
   const auto result = evaluatePoses(index, options.search, poses);
   if (!result.ok()) return result.status;
   if (options.json) {
@@ -285,7 +287,8 @@ Run addEval(CLI::App& app) {
       ->needs(scenes);
   options->scenes.evidence.addTo(app);
   CLI::Option* const comparing = app.add_flag(
-      "--compare", options->comparing, "Descriptors beside one another on the same views; PCL's ESF among them");
+      "--compare", options->comparing, "Descriptors beside one another on the same views, PCL's ESF among them; with --poses: "
+                                   "PCL's SampleConsensusPrerejective and ICP on each N-th view of a member (--every)");
   CLI::Option* const retrieval =
       app.add_flag("--retrieval", options->retrieval,
                    "Whole models asked for among whole models, instead of views; needs no index")
@@ -309,7 +312,7 @@ Run addEval(CLI::App& app) {
       ->type_name("DIR");
   CLI::Option* const posing = app.add_flag("--poses", options->posing,
                                            "Poses and sizes of models, on views drawn anew whose pose is known")
-                                  ->excludes(queries, scenes, comparing, retrieval, unknown);
+                                  ->excludes(queries, scenes, retrieval, unknown);
   app.add_option("--objects", options->poses.objects, "With --poses: so many views of members, and of unseen models")
       ->type_name("N")
       ->check(CLI::Range(1, 1000000))
@@ -318,7 +321,8 @@ Run addEval(CLI::App& app) {
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1} << 31))
       ->needs(posing);
   app.add_option("--every", options->every,
-                 "Take each N-th query only; with --compare every query, and each N-th view of the index")
+                 "Take each N-th query only; with --compare every query, and each N-th view of the index; with --poses "
+                 "--compare: what PCL is asked for")
       ->type_name("N")
       ->check(CLI::Range(1, 1000000));
   app.add_option("--jobs", options->jobs,

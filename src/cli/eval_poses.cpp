@@ -2,14 +2,17 @@
 #include "eval_poses.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <thread>
 
 #include "../library/model_folder.h"
 #include "../library/random.h"
 #include "cpu_time.h"
 #include "evaluation.h"
+#include "pcl_pose.h"
 #include "pose_truth.h"
 #include "voxid/library/mesh_reader.h"
 #include "voxid/library/model_aligner.h"
@@ -45,22 +48,28 @@ class PoseExaminer {
 
   /// A member of the index, drawn by `number`.
   Result<PoseOutcome> askSeen(int number) {
-    Random random(seedOf("seen", options_.seed << 32 | static_cast<std::uint64_t>(number)));
-    const auto model = static_cast<std::uint32_t>(random.below(static_cast<int>(index_->models().size)));
-    const std::string name = fullNameOf(*index_, model);
-    const auto path = meshOf(options_.models, name);
-    if (!path.ok()) return path.status;
-    const auto mesh = readMeshFile(path.value);
-    if (!mesh.ok()) return mesh.status;
-    const auto shelved = aligner_.shelf().find(model);
-    if (!shelved.ok()) return shelved.status;
-    const PosedView view = drawPosedView(mesh.value, random.next());
+    const Result<Member> member = draw(number);
+    if (!member.ok()) return member.status;
+    const auto& [model, shelved, view] = member.value;
     PoseOutcome outcome;
-    align(view, *shelved.value, outcome);
+    align(view, *shelved, outcome);
     const auto ranked = ask(view, outcome);
     if (!ranked.ok()) return ranked.status;
     outcome.model_right = !ranked.value.empty() && ranked.value[0].model == model;
-    if (outcome.model_right) outcome.asked = errorIn(ranked.value[0].alignment, view, *shelved.value);
+    if (outcome.model_right) outcome.asked = errorIn(ranked.value[0].alignment, view, *shelved);
+    return outcome;
+  }
+
+  /// The same view, by PCL, given the right model and its scale: only `given` and `given_ms`.
+  Result<PoseOutcome> askPcl(int number) {
+    const Result<Member> member = draw(number);
+    if (!member.ok()) return member.status;
+    const auto& [model, shelved, view] = member.value;
+    const ModelSurface& surface = shelved->model.surface();
+    const PclPose found = poseByPcl(objectIn(view), surface, view.pose.scale, static_cast<unsigned>(number));
+    PoseOutcome outcome;
+    outcome.given_ms = 1e-3 * found.us;
+    if (found.pose) outcome.given = errorOf(*found.pose, view.pose, surface, shelved->symmetry);
     return outcome;
   }
 
@@ -77,6 +86,26 @@ class PoseExaminer {
   }
 
  private:
+  struct Member {
+    std::uint32_t model = 0;
+    std::shared_ptr<const ShelvedModel> shelved;
+    PosedView view;
+  };
+  Result<Member> draw(int number) {
+    Random random(seedOf("seen", options_.seed << 32 | static_cast<std::uint64_t>(number)));
+    Member member;
+    member.model = static_cast<std::uint32_t>(random.below(static_cast<int>(index_->models().size)));
+    const auto path = meshOf(options_.models, fullNameOf(*index_, member.model));
+    if (!path.ok()) return path.status;
+    const auto mesh = readMeshFile(path.value);
+    if (!mesh.ok()) return mesh.status;
+    const auto shelved = aligner_.shelf().find(member.model);
+    if (!shelved.ok()) return shelved.status;
+    member.shelved = shelved.value;
+    member.view = drawPosedView(mesh.value, random.next());
+    return member;
+  }
+
   static PoseError errorIn(const Alignment& alignment, const PosedView& view, const ShelvedModel& shelved) {
     if (!alignment.found) return {};
     return errorOf(alignment.pose, view.pose, shelved.model.surface(), shelved.symmetry);
@@ -172,14 +201,50 @@ Json unseenFigures(const Outcomes& outcomes) {
   return json;
 }
 
-Result<Outcomes> askAll(int objects, const std::function<Result<PoseOutcome>(int)>& ask) {
-  Outcomes outcomes;
-  for (int i = 0; i < objects; ++i) {
-    const Result<PoseOutcome> outcome = ask(i);
-    if (!outcome.ok()) return outcome.status;
-    outcomes.push_back(outcome.value);
-  }
+/// Asks an examiner about a view by its number.
+using Ask = std::function<Result<PoseOutcome>(PoseExaminer& examiner, int number)>;
+
+/// About numbers 0 to objects - 1, in their order, by some examiners, each in a thread.
+Result<Outcomes> askAll(std::vector<PoseExaminer>& examiners, int objects, const Ask& ask) {
+  Outcomes outcomes(static_cast<std::size_t>(objects));
+  std::vector<Status> statuses(outcomes.size());
+  std::atomic<int> next{0};
+  const auto work = [&](PoseExaminer& examiner) {
+    for (int i = next++; i < objects; i = next++) {
+      Result<PoseOutcome> outcome = ask(examiner, i);
+      statuses[static_cast<std::size_t>(i)] = outcome.status;
+      outcomes[static_cast<std::size_t>(i)] = outcome.value;
+    }
+  };
+  std::vector<std::thread> threads;
+  for (std::size_t i = 1; i < examiners.size(); ++i) threads.emplace_back(work, std::ref(examiners[i]));
+  work(examiners.front());
+  for (std::thread& thread : threads) thread.join();
+  const auto failed = std::find_if(statuses.begin(), statuses.end(), [](const Status& s) { return !s.ok(); });
+  if (failed != statuses.end()) return *failed;
   return outcomes;
+}
+
+/// PCL and voxid on each `every`-th of the views that voxid was asked about. PCL draws from one generator for all
+/// threads.
+Result<Json> pclFigures(PoseExaminer& examiner, const Outcomes& seen, int every) {
+  Outcomes by_pcl, by_voxid;
+  for (std::size_t i = 0; i < seen.size(); i += static_cast<std::size_t>(every)) {
+    const Result<PoseOutcome> outcome = examiner.askPcl(static_cast<int>(i));
+    if (!outcome.ok()) return outcome.status;
+    by_pcl.push_back(outcome.value);
+    by_voxid.push_back(seen[i]);
+  }
+  const auto strict = [](const PoseOutcome& o) { return o.given.strict(); };
+  const auto ms = [](const PoseOutcome& o) { return o.given_ms; };
+  Json json;
+  json["pairs"] = by_pcl.size();
+  json["strict_given_model"] = roundedShare(shareOf(by_pcl, strict));
+  json["voxid_strict_given_model"] = roundedShare(shareOf(by_voxid, strict));
+  json["ms_median"] = rounded(medianOf(by_pcl, ms));
+  json["voxid_ms_median"] = rounded(medianOf(by_voxid, ms));
+  json["times_slower"] = rounded(medianOf(by_pcl, ms) / medianOf(by_voxid, ms));
+  return json;
 }
 
 }  // namespace
@@ -191,12 +256,20 @@ Result<Json> evaluatePoses(const std::shared_ptr<const Index>& index, const Sear
   const std::vector<ModelFile>& models = strangers.value.models;
   if (models.empty())
     return Status::nothingFound(options.unseen + ": no model in it; expected <category>/<model>.<ext>");
-  PoseExaminer examiner(index, search, options);
-  const auto seen = askAll(options.objects, [&](int i) { return examiner.askSeen(i); });
+  std::vector<PoseExaminer> examiners;
+  for (int i = 0; i < options.jobs; ++i) examiners.emplace_back(index, search, options);
+  const auto seen =
+      askAll(examiners, options.objects, [](PoseExaminer& examiner, int i) { return examiner.askSeen(i); });
   if (!seen.ok()) return seen.status;
-  const auto unseen = askAll(options.objects, [&](int i) { return examiner.askUnseen(models, i); });
+  const auto unseen =
+      askAll(examiners, options.objects, [&](PoseExaminer& examiner, int i) { return examiner.askUnseen(models, i); });
   if (!unseen.ok()) return unseen.status;
-  return Json{{"seen", seenFigures(seen.value)}, {"unseen", unseenFigures(unseen.value)}};
+  Json json{{"seen", seenFigures(seen.value)}, {"unseen", unseenFigures(unseen.value)}};
+  if (options.pcl_every == 0) return json;
+  const auto pcl = pclFigures(examiners.front(), seen.value, options.pcl_every);
+  if (!pcl.ok()) return pcl.status;
+  json["pcl"] = pcl.value;
+  return json;
 }
 
 void printPoses(const Json& result) {
@@ -212,6 +285,14 @@ void printPoses(const Json& result) {
               seen["scale_percent_median"].get<double>());
   std::printf("%d views of unseen models: box diagonal within 10 %%: %.1f %%, %.0f ms\n", unseen["objects"].get<int>(),
               percent(unseen["extents_within_share"]), unseen["ms_median"].get<double>());
+  if (!result.contains("pcl")) return;
+  const Json& pcl = result["pcl"];
+  std::printf(
+      "%d of the members' views, given model and true scale, by PCL: %.1f %% strict, %.0f ms; voxid, given the "
+      "model, %.1f %%, %.0f ms: %.1f times faster\n",
+      pcl["pairs"].get<int>(), percent(pcl["strict_given_model"]), pcl["ms_median"].get<double>(),
+      percent(pcl["voxid_strict_given_model"]), pcl["voxid_ms_median"].get<double>(),
+      pcl["times_slower"].get<double>());
 }
 
 }  // namespace voxid::cli

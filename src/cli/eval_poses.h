@@ -16,6 +16,8 @@ struct PoseOptions {
   std::string unseen;      ///< a folder of other models, <category>/<model>.<ext>
   int objects = 300;       ///< views of members of the index, and as many of unseen models
   std::uint64_t seed = 1;  ///< of the views
+  int jobs = 1;            ///< threads; figures do not depend on them, but for times
+  int pcl_every = 0;       ///< PCL, too, is asked for each so many-th view of a member; 0 = not asked
 };
 
 /// JSON as `voxid eval --poses --json` prints it. Errors are measured on views drawn anew, whose pose is known.

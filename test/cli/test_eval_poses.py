@@ -39,6 +39,20 @@ def test_the_same_views_every_time(voxid, index, models, unseen, result):
                {k: v for k, v in result[part].items() if "ms" not in k.split("_")}
 
 
+def test_pcl_is_asked_about_each_nth_of_the_same_views_whatever_the_jobs(voxid, index, models, unseen, result):
+    ask = ["eval", "--index", index, "--poses", "--models", models, "--unseen", unseen, "--objects", 12, "--json"]
+    compared = voxid(*ask, "--compare", "--every", 4, "--jobs", 2).json
+    for part in ("seen", "unseen"):
+        assert {k: v for k, v in compared[part].items() if "ms" not in k.split("_")} == \
+               {k: v for k, v in result[part].items() if "ms" not in k.split("_")}
+    pcl = compared["pcl"]
+    assert pcl["pairs"] == 3  # numbers 0, 4, 8
+    assert 0 <= pcl["strict_given_model"] <= 1 and pcl["voxid_strict_given_model"] >= 1 / 3
+    assert pcl["times_slower"] == pytest.approx(pcl["ms_median"] / pcl["voxid_ms_median"], rel=0.02)
+    again = voxid(*ask, "--compare", "--every", 4).json["pcl"]
+    assert again["strict_given_model"] == pcl["strict_given_model"]
+
+
 def test_for_people(voxid, index, models, unseen):
     answer = voxid("eval", "--index", index, "--poses", "--models", models, "--unseen", unseen, "--objects", 1)
     assert answer.code == 0, answer.err
