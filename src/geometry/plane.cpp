@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "angle.h"
 #include "../core/vectorised.h"
+#include "angle.h"
 
 namespace voxid {
 namespace {
@@ -128,11 +128,19 @@ VOXID_VECTORISED SquareSum squaresInRow(const std::int32_t* inverse, const std::
 }
 
 /// Samples within the limit of the plane normal . (u, v, inverse) = offset.
-VOXID_VECTORISED int countNear(const std::int32_t* u, const std::int32_t* v, const std::int32_t* inverse, int count,
+VOXID_VECTORISED int countNear(const float* u, const float* v, const float* inverse, int count,
                                const Eigen::Vector3d& normal, double offset, double limit) {
   const double nu = normal.x(), nv = normal.y(), nw = normal.z();
   int near = 0;
   for (int i = 0; i < count; ++i) near += std::abs(nu * u[i] + nv * v[i] + nw * inverse[i] - offset) <= limit;
+  return near;
+}
+
+/// The same in single precision, of the plane inverse = per_u * u + per_v * v + at_origin.
+VOXID_VECTORISED int countRoughly(const float* u, const float* v, const float* inverse, int count, float per_u,
+                                  float per_v, float at_origin, float limit) {
+  int near = 0;
+  for (int i = 0; i < count; ++i) near += std::abs(inverse[i] - (per_u * u[i] + per_v * v[i] + at_origin)) <= limit;
   return near;
 }
 
@@ -240,9 +248,9 @@ void PlaneFinder::Samples::clear() {
 }
 
 void PlaneFinder::Samples::add(std::int32_t at_u, std::int32_t at_v, std::int32_t value) {
-  u.push_back(at_u);
-  v.push_back(at_v);
-  inverse.push_back(value);
+  u.push_back(static_cast<float>(at_u));
+  v.push_back(static_cast<float>(at_v));
+  inverse.push_back(static_cast<float>(value));
 }
 
 void PlaneFinder::takeSamples(const InverseDepth& inverse) {
@@ -256,8 +264,15 @@ void PlaneFinder::takeSamples(const InverseDepth& inverse) {
   }
 }
 
-/// Samples within the limit of the plane normal . (u, v, inverse) = offset; gives up, with fewer, once they cannot
-/// exceed `most`.
+int PlaneFinder::mostInliers(const Samples& samples, const InversePlane& plane, double tolerance) {
+  constexpr double kRounding = 1.0 / (1 << 21), kMostColumns = 8192, kLargestInverse = 1 << 24;
+  const double largest = (std::abs(plane.per_u) + std::abs(plane.per_v)) * kMostColumns + std::abs(plane.at_origin);
+  return countRoughly(samples.u.data(), samples.v.data(), samples.inverse.data(), static_cast<int>(samples.size()),
+                      static_cast<float>(plane.per_u), static_cast<float>(plane.per_v),
+                      static_cast<float>(plane.at_origin),
+                      static_cast<float>(tolerance + kRounding * (largest + kLargestInverse)));
+}
+
 int PlaneFinder::countInliers(const Samples& samples, const Eigen::Vector3d& normal, double offset, double limit,
                               int most) {
   constexpr int kChunk = 256;
@@ -291,7 +306,7 @@ PlaneFinder::Candidate PlaneFinder::draw(const Samples& samples, const SegmentPa
     plane.per_u = -n.x() / n.z();
     plane.per_v = -n.y() / n.z();
     plane.at_origin = a[2] - plane.per_u * a[0] - plane.per_v * a[1];
-    if (!accept(plane)) continue;
+    if (!accept(plane) || mostInliers(samples, plane, tolerance) <= best.inliers) continue;
     const double offset = n.x() * a[0] + n.y() * a[1] + n.z() * a[2];
     const int inliers = countInliers(samples, n, offset, tolerance * std::abs(n.z()), best.inliers);
     if (inliers <= best.inliers) continue;
@@ -313,7 +328,8 @@ PlaneFinder::Candidate PlaneFinder::tableAboveFloor(Candidate floor, const Camer
     const MetricPlane below = metricOf(floor.plane, camera);
     above_.clear();
     for (std::size_t i = 0; i < samples_.size(); ++i) {
-      const std::int32_t u = samples_.u[i], v = samples_.v[i], value = samples_.inverse[i];
+      const auto u = static_cast<std::int32_t>(samples_.u[i]), v = static_cast<std::int32_t>(samples_.v[i]),
+                 value = static_cast<std::int32_t>(samples_.inverse[i]);
       const double expected = floor.plane.per_u * u + floor.plane.per_v * v + floor.plane.at_origin;
       if (below.distance_m * (value - expected) > kTableAboveFloor_m * value) above_.add(u, v, value);
     }

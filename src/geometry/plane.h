@@ -40,15 +40,22 @@ class PlaneFinder {
   bool find(const InverseDepth& inverse, const Camera& camera, const SegmentParams& params, InversePlane& plane,
             PlaneSums& sums);
 
- private:
   struct Samples {
-    std::vector<std::int32_t> u, v, inverse;
+    std::vector<float> u, v, inverse;  ///< whole numbers below 2^24
 
     void reserve(std::size_t most);
     void clear();
     void add(std::int32_t at_u, std::int32_t at_v, std::int32_t value);
     std::size_t size() const { return u.size(); }
   };
+  /// Samples within the limit of the plane normal . (u, v, inverse) = offset; gives up, with fewer, once they cannot
+  /// exceed `most`.
+  static int countInliers(const Samples& samples, const Eigen::Vector3d& normal, double offset, double limit, int most);
+  /// No fewer than countInliers finds, and faster: the tolerance, in units of inverse depth, is widened by
+  /// more than the roundings of single precision, eight units in the last place of the sum of all terms.
+  static int mostInliers(const Samples& samples, const InversePlane& plane, double tolerance);
+
+ private:
   struct Candidate {
     InversePlane plane;
     int inliers = 0;
@@ -56,7 +63,6 @@ class PlaneFinder {
   class Draws;
 
   void takeSamples(const InverseDepth& inverse);
-  static int countInliers(const Samples& samples, const Eigen::Vector3d& normal, double offset, double limit, int most);
   template <typename Accept>
   Candidate draw(const Samples& samples, const SegmentParams& params, Accept accept) const;
   Candidate tableAboveFloor(Candidate floor, const Camera& camera, const SegmentParams& params);

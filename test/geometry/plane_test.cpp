@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "geometry/rendered.h"
 
@@ -31,6 +32,26 @@ TEST(MetricPlane, IsTheInversePlaneInSpace) {
   const MetricPlane wall = metricOf({0, 0, 500.0 * kUnitsPerKm}, camera);
   EXPECT_NEAR(wall.distance_m, 2, 1e-9);
   EXPECT_NEAR((wall.normal - Eigen::Vector3d(0, 0, -1)).norm(), 0, 1e-9);
+}
+
+TEST(PlaneFinder, TheRoughCountIsNeverTheSmaller) {
+  std::mt19937 random(11);
+  const auto below = [&](int bound) { return static_cast<std::int32_t>(random() % static_cast<unsigned>(bound)); };
+  for (int round = 0; round < 2000; ++round) {
+    const int side_px = round % 2 ? 640 : 8192;
+    const InversePlane plane{0.37 * (below(2001) - 1000), 0.73 * (below(2001) - 1000), 300.0 * below(1000)};
+    PlaneFinder::Samples samples;
+    const int tolerance = below(4000);
+    for (int i = 0; i < 100; ++i) {  // at the tolerance's very edge
+      const int u = below(side_px), v = below(side_px), edge = i % 2 ? tolerance : -tolerance;
+      const double inverse = plane.per_u * u + plane.per_v * v + plane.at_origin + edge;
+      if (inverse > 0 && inverse < (1 << 22)) samples.add(u, v, static_cast<std::int32_t>(std::floor(inverse)));
+    }
+    const Eigen::Vector3d normal(-plane.per_u, -plane.per_v, 1);
+    const int exact = PlaneFinder::countInliers(samples, normal, plane.at_origin, tolerance, -1);
+    EXPECT_GE(PlaneFinder::mostInliers(samples, plane, tolerance), exact);
+    EXPECT_EQ(PlaneFinder::mostInliers(samples, plane, tolerance - 100), 0);
+  }
 }
 
 TEST(PlaneFinder, FindsTheRenderedTable) {
