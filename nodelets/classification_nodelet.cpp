@@ -2,6 +2,7 @@
 #include "classification_nodelet.h"
 
 #include <algorithm>
+#include <functional>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "stopwatch.h"
@@ -83,7 +84,7 @@ void ClassificationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image,
   if (depth.ok())
     nameAll(depth.value, *segments, objects.get());
   else
-    setStatus(kBadInput, depth.status.sentence, objects.get());
+    refuse(depth.status.sentence, objects.get());
   const Eigen::Isometry3d target_from_camera = moveToTarget(objects.get());
   fillAnswers(objects.get());
   poses_.show(objects.get());
@@ -93,6 +94,12 @@ void ClassificationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image,
   if (depth.ok()) poses_.offer({image, info, segments, objects, target_from_camera});
   report(*objects, depth.status);
   health_.cost(watch.ms(), watch.cpuMs() + std::max(0.0, helpersCpuMs() - helped_ms));
+}
+
+void ClassificationNodelet::refuse(const std::string& sentence, Objects* objects) {
+  setStatus(kBadInput, sentence, objects);
+  spares_.resize(0, &objects->objects);
+  answers_.clear();
 }
 
 Result<DepthView> ClassificationNodelet::viewFor(const sensor_msgs::Image& image, const sensor_msgs::CameraInfo& info,
@@ -111,7 +118,6 @@ boost::shared_ptr<Objects> ClassificationNodelet::objectsFor(const sensor_msgs::
   objects->status = segments.status;
   objects->status_text = statusText(segments.status);
   objects->table = segments.table;
-  objects->objects.clear();
   objects->index.clear();
   objects->dropped = segments.dropped;
   objects->segment_ms = segments.segment_ms;
@@ -131,17 +137,19 @@ void ClassificationNodelet::nameAll(const DepthView& depth, const Segments& segm
   RecogniserPool* const recognisers = this->recognisers(wanted.threads);
   pixels_.clear();
   answers_.clear();
-  for (const Segment& segment : segments.segments) {
-    pixels_.push_back({segment.pixels.data(), segment.pixels.size()});
-    Object object = objectOf(segment);
-    fillShape(primitiveOf(depth, pixels_.back(), boxOf(segment)), &object.shape, &object.shape_pose);
-    objects->objects.push_back(std::move(object));
-  }
+  for (const Segment& segment : segments.segments) pixels_.push_back({segment.pixels.data(), segment.pixels.size()});
+  spares_.resize(pixels_.size(), &objects->objects);
+  const auto fill = [&](std::size_t i) { fillObject(depth, segments.segments[i], &objects->objects[i]); };
   if (!recognisers) {
+    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+      fill(i);
+      objects->objects[i].alternatives.clear();
+    }
     if (objects->status == kOk) setStatus(kNoIndex, watch_.trouble(), objects);
     return;
   }
-  const std::vector<Answer>& answers = recognisers->recogniseAll(depth, {pixels_.data(), pixels_.size()}, wanted);
+  const std::vector<Answer>& answers =
+      recognisers->recogniseAll(depth, {pixels_.data(), pixels_.size()}, wanted, std::ref(fill));
   answers_.assign(answers.begin(), answers.end());
   objects->index = recognisers->index().path();
 }
@@ -157,7 +165,7 @@ Eigen::Isometry3d ClassificationNodelet::moveToTarget(Objects* objects) {
     return target_from_camera;
   } catch (const tf2::TransformException& error) {
     if (!objects->objects.empty())
-      setStatus(kNoTransform, statusText(kNoTransform) + " (" + error.what() + ")", objects);
+      setStatus(kNoTransform, std::string(statusText(kNoTransform)) + " (" + error.what() + ")", objects);
   }
   return unmoved;
 }
@@ -167,7 +175,7 @@ void ClassificationNodelet::fillAnswers(Objects* objects) {
   const bool comparable = objects->status != kNoTransform && objects->status != kBadInput;
   const bool remembered = memory_ && comparable;
   if (remembered) remember(*objects);
-  for (std::size_t i = 0; i < std::min(answers_.size(), objects->objects.size()); ++i) {
+  for (std::size_t i = 0; i < answers_.size(); ++i) {
     fillAnswer(answers_[i], recognisers_->index(), &objects->objects[i]);
     if (remembered) objects->objects[i].number = memory_->numberOf(i);
   }

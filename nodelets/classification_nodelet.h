@@ -49,6 +49,7 @@ class ClassificationNodelet : public nodelet::Nodelet {
   boost::shared_ptr<Objects> objectsFor(const sensor_msgs::Image& image, const Segments& segments);
   RecogniserPool* recognisers(int threads);
   double helpersCpuMs() const;
+  void refuse(const std::string& sentence, Objects* objects);
   void nameAll(const DepthView& depth, const Segments& segments, Objects* objects);
   Eigen::Isometry3d moveToTarget(Objects* objects);
   void fillAnswers(Objects* objects);
@@ -71,6 +72,7 @@ class ClassificationNodelet : public nodelet::Nodelet {
   std::vector<Sighting> sightings_;
   PoseFinder poses_;
   MessagePool<Objects> pool_;
+  Spares<Object> spares_;
   std::string target_frame_;
   std::unique_ptr<tf2_ros::Buffer> transforms_;
   std::unique_ptr<tf2_ros::TransformListener> transform_listener_;

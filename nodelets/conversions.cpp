@@ -87,27 +87,32 @@ DroppedCluster droppedClusterOf(const LeftOut& cluster) {
   return message;
 }
 
-TablePlane tableOf(const Table& table) {
-  TablePlane message;
-  message.normal = vectorOf(table.normal.cast<double>());
-  message.distance_m = table.distance_m;
-  message.outline.reserve(table.outline_m.size);
-  for (const Eigen::Vector3f& corner : table.outline_m) message.outline.push_back(pointOf(corner.cast<double>()));
-  message.inliers = table.inliers;
-  message.residual_mm = table.residual_mm;
-  fillShape(primitiveOf(table), &message.shape, &message.shape_pose);
-  return message;
+void fillTable(const Table& table, TablePlane* message) {
+  message->normal = vectorOf(table.normal.cast<double>());
+  message->distance_m = table.distance_m;
+  message->outline.clear();
+  for (const Eigen::Vector3f& corner : table.outline_m) message->outline.push_back(pointOf(corner.cast<double>()));
+  message->inliers = table.inliers;
+  message->residual_mm = table.residual_mm;
+  fillShape(primitiveOf(table), &message->shape, &message->shape_pose);
 }
 
 bool hasTable(SceneStatus status) { return status == SceneStatus::Ok || status == SceneStatus::EmptyTable; }
 
-Candidate candidateOf(const Alternative& alternative, const Index& index) {
-  Candidate candidate;
-  candidate.label = std::string(index.categoryName(alternative.category));
-  candidate.synset = index.categories()[alternative.category].synset;
-  candidate.score = alternative.score_permille / 1000.0f;
-  candidate.distance = static_cast<float>(alternative.distance);
-  return candidate;
+void fillCandidate(const Alternative& alternative, const Index& index, Candidate* candidate) {
+  candidate->label = index.categoryName(alternative.category);
+  candidate->synset = index.categories()[alternative.category].synset;
+  candidate->score = alternative.score_permille / 1000.0f;
+  candidate->distance = static_cast<float>(alternative.distance);
+}
+
+/// Of an object that nothing has been compared with yet, and that has no number.
+void clearAnswer(Object* object) {
+  object->number = object->synset = 0;
+  object->score = object->distance = object->margin = object->coarse_score = 0;
+  object->view = 0;
+  for (std::string* text : {&object->label, &object->coarse, &object->model}) text->clear();
+  object->model_pose = ModelPose();
 }
 
 using Matrix6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
@@ -188,7 +193,10 @@ void fillSegments(const Scene& scene, int width_px, int height_px, Segments* mes
   message->status = static_cast<std::uint8_t>(scene.status);
   message->width = width_px;
   message->height = height_px;
-  message->table = hasTable(scene.status) ? tableOf(scene.table) : TablePlane();
+  if (hasTable(scene.status))
+    fillTable(scene.table, &message->table);
+  else
+    message->table = TablePlane();
   message->segments.resize(scene.clusters.size);
   for (std::size_t i = 0; i < scene.clusters.size; ++i) fillSegment(scene.clusters[i], message->segments[i]);
   message->dropped.assign(scene.dropped.begin(), scene.dropped.end());
@@ -207,18 +215,19 @@ bool fit(const Segments& segments, const DepthView& depth) {
   return true;
 }
 
-Object objectOf(const Segment& segment) {
-  Object object;
-  object.id = segment.id;
-  object.pose.pose = segment.pose;
-  object.extents_m = segment.extents_m;
+void fillObject(const DepthView& depth, const Segment& segment, Object* object) {
+  clearAnswer(object);
+  object->id = segment.id;
+  object->pose.pose = segment.pose;
+  object->extents_m = segment.extents_m;
   const auto covariance = covarianceOf(eigenOf(segment.pose.orientation), eigenOf(segment.extents_m));
-  std::copy(covariance.begin(), covariance.end(), object.pose.covariance.begin());
-  object.centroid = segment.centroid;
-  object.box = segment.box;
-  object.points = static_cast<std::uint32_t>(segment.pixels.size());
-  object.truncated = segment.truncated;
-  return object;
+  std::copy(covariance.begin(), covariance.end(), object->pose.covariance.begin());
+  object->centroid = segment.centroid;
+  object->box = segment.box;
+  object->points = static_cast<std::uint32_t>(segment.pixels.size());
+  object->truncated = segment.truncated;
+  const Span<const std::uint32_t> pixels{segment.pixels.data(), segment.pixels.size()};
+  fillShape(primitiveOf(depth, pixels, boxOf(segment)), &object->shape, &object->shape_pose);
 }
 
 OrientedBox boxOf(const Segment& segment) {
@@ -241,8 +250,10 @@ void fillShape(const Primitive& primitive, shape_msgs::SolidPrimitive* shape, ge
 }
 
 void fillAnswer(const Answer& answer, const Index& index, Object* object) {
+  object->alternatives.resize(static_cast<std::size_t>(answer.count));
   if (answer.count == 0) return;
-  for (int i = 0; i < answer.count; ++i) object->alternatives.push_back(candidateOf(answer.alternatives[i], index));
+  for (int i = 0; i < answer.count; ++i)
+    fillCandidate(answer.alternatives[i], index, &object->alternatives[static_cast<std::size_t>(i)]);
   const Candidate& best = object->alternatives.front();
   if (answer.known) {
     object->label = best.label;
@@ -252,10 +263,10 @@ void fillAnswer(const Answer& answer, const Index& index, Object* object) {
   object->distance = best.distance;
   object->margin = answer.margin_permille / 1000.0f;
   const CoarseAnswer coarse = coarseAnswer(index, answer);
-  object->coarse = std::string(coarse.synset);
+  object->coarse = coarse.synset;
   object->coarse_score = coarse.score_permille / 1000.0f;
   const format::View view = index.view(answer.alternatives[0].view);
-  object->model = std::string(index.modelName(view.model));
+  object->model = index.modelName(view.model);
   object->view = view.direction;
 }
 
@@ -307,7 +318,7 @@ const char* statusName(std::uint8_t status) {
   return nameOf(static_cast<SceneStatus>(status));
 }
 
-std::string statusText(std::uint8_t status) {
+const char* statusText(std::uint8_t status) {
   switch (static_cast<SceneStatus>(status)) {
     case SceneStatus::Ok:
       return "objects found";

@@ -44,8 +44,9 @@ void fillSegments(const Scene& scene, int width_px, int height_px, Segments* mes
 /// Whether every pixel that the segments name lies in the image.
 bool fit(const Segments& segments, const DepthView& depth);
 
-/// What is known about an object before it is named: id, box, pose with covariance, sizes.
-Object objectOf(const Segment& segment);
+/// What is known about an object before it is named: id, box, pose with covariance, sizes, shape. Replaces everything
+/// but the alternatives, which wait for fillAnswer; memory that the message has is used again.
+void fillObject(const DepthView& depth, const Segment& segment, Object* object);
 
 OrientedBox boxOf(const Segment& segment);
 /// Dimensions in the message's order: a box x, y, z; a cylinder height, radius.
@@ -83,7 +84,7 @@ sensor_msgs::PointCloud2 cloudOf(const DepthView& depth, const Segments& segment
 /// "OK", "NO_DEPTH", ...; a number that has no name gives "UNKNOWN".
 const char* statusName(std::uint8_t status);
 /// One sentence for people.
-std::string statusText(std::uint8_t status);
+const char* statusText(std::uint8_t status);
 
 /// The same colour for the same id in overlay, markers and cloud; red, green, blue, 0 to 255.
 std::array<std::uint8_t, 3> colourOf(int id);

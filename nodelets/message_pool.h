@@ -4,6 +4,8 @@
 #include <atomic>
 #include <boost/make_shared.hpp>
 #include <boost/shared_ptr.hpp>
+#include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace voxid {
@@ -28,6 +30,28 @@ class MessagePool {
  private:
   static constexpr std::size_t kMost = 16;
   std::vector<boost::shared_ptr<Message>> messages_;
+};
+
+/// Resizes lists inside messages without giving up the memory of what goes: strings and lists wait for a frame with
+/// more. Holds no more than all lists together held at most.
+template <typename Element>
+class Spares {
+ public:
+  /// What the list holds more than before has values of some frame before.
+  void resize(std::size_t size, std::vector<Element>* list) {
+    while (list->size() > size) {
+      spare_.push_back(std::move(list->back()));
+      list->pop_back();
+    }
+    while (list->size() < size && !spare_.empty()) {
+      list->push_back(std::move(spare_.back()));
+      spare_.pop_back();
+    }
+    list->resize(size);
+  }
+
+ private:
+  std::vector<Element> spare_;
 };
 
 }  // namespace voxid

@@ -23,11 +23,13 @@ RecogniserPool::~RecogniserPool() {
 }
 
 const std::vector<Answer>& RecogniserPool::recogniseAll(const DepthView& depth, Span<const ObjectPixels> objects,
-                                                        const ClassifyParams& params) {
+                                                        const ClassifyParams& params,
+                                                        const std::function<void(std::size_t)>& also) {
   std::unique_lock<std::mutex> lock(mutex_);
   depth_ = depth;
   objects_ = objects;
   params_ = params;
+  also_ = &also;
   answers_.assign(objects.size, Answer{});
   orderBySize();
   next_ = answered_ = 0;
@@ -78,6 +80,7 @@ void RecogniserPool::help(Recogniser& recogniser) {
 }
 
 void RecogniserPool::answer(Recogniser& recogniser, std::size_t object) {
+  (*also_)(object);
   answers_[object] = recogniser.recognise(depth_, objects_[object], params_);
 }
 

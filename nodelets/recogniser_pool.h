@@ -2,6 +2,8 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -22,9 +24,11 @@ class RecogniserPool {
   RecogniserPool(const std::shared_ptr<const Index>& index, int threads);
   ~RecogniserPool();
 
-  /// Valid until the next call. One caller at a time.
-  const std::vector<Answer>& recogniseAll(const DepthView& depth, Span<const ObjectPixels> objects,
-                                          const ClassifyParams& params);
+  /// Valid until the next call. One caller at a time. also(i): what else the thread that takes the i-th object does for
+  /// it.
+  const std::vector<Answer>& recogniseAll(
+      const DepthView& depth, Span<const ObjectPixels> objects, const ClassifyParams& params,
+      const std::function<void(std::size_t)>& also = [](std::size_t) {});
 
   int threads() const { return static_cast<int>(recognisers_.size()); }
   const Index& index() const { return recognisers_.front()->index(); }
@@ -41,6 +45,7 @@ class RecogniserPool {
   DepthView depth_;
   Span<const ObjectPixels> objects_;
   ClassifyParams params_;
+  const std::function<void(std::size_t)>* also_ = nullptr;
 
   mutable std::mutex mutex_;
   std::condition_variable work_, finished_;

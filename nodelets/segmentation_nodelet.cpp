@@ -94,6 +94,7 @@ boost::shared_ptr<Segments> SegmentationNodelet::segment(const Result<DepthView>
   Scene unread;
   unread.status = SceneStatus::BadInput;
   const Scene& scene = depth.ok() ? segmenter_.segment(depth.value, params()) : unread;
+  spares_.resize(scene.clusters.size, &segments->segments);
   fillSegments(scene, depth.value.width_px, depth.value.height_px, segments.get());
   segments->segment_ms = watch.ms();
   return segments;

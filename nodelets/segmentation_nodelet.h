@@ -46,6 +46,7 @@ class SegmentationNodelet : public nodelet::Nodelet {
   Segmenter segmenter_;
   TableAndAbove parts_;  // for the debug clouds
   MessagePool<Segments> pool_;
+  Spares<Segment> spares_;
   Health health_;
   ros::Publisher segments_, cloud_;
   ros::Publisher debug_table_, debug_above_, debug_clusters_;  // advertised with ~debug only

@@ -86,6 +86,15 @@ TEST_F(Pool, AnAnswerDoesNotDependOnItsPlaceInTheFrame) {
   }
 }
 
+TEST_F(Pool, WhatElseIsDoneForAnObjectIsDoneOnce) {
+  for (const int threads : {1, 4}) {
+    RecogniserPool pool(index_, threads);
+    std::vector<int> done(objects_.size());
+    pool.recogniseAll(depth_, {objects_.data(), objects_.size()}, {}, [&](std::size_t i) { ++done[i]; });
+    EXPECT_EQ(done, std::vector<int>(objects_.size(), 1));
+  }
+}
+
 TEST_F(Pool, FramesWithFewObjectsOrNone) {
   RecogniserPool pool(index_, 4);
   EXPECT_TRUE(saidBy(pool, depth_, {}).empty());
