@@ -63,7 +63,7 @@ struct ClassificationStartParams {
   bool memory = true;  ///< What earlier frames said about an object counts, too, and it keeps its number.
   std::string align = "off";  ///< Poses of CAD models: off, selected (those that align_object is called for) or all. Needs memory.
   int align_percent = 50;  ///< Share of one core that all may take. Less finds poses later; frames never wait for it.
-  std::string models = "";  ///< Folder of models that the index was made from, for the surfaces that poses are found by.
+  std::string models = "";  ///< Folder of models that the index was made from, for the surfaces that poses are found by; not needed if the index keeps them (voxid build --keep-points).
 };
 
 inline ClassificationStartParams classificationStartParams(const ros::NodeHandle& node) {
