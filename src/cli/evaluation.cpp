@@ -85,6 +85,25 @@ void drawRow(const Counts& counts, const std::vector<std::string>& names, std::s
   }
 }
 
+/// At the row's end how much of it is right, and what it is mostly taken for otherwise. Nothing where nothing was asked.
+void writeSummary(const Counts& counts, const std::vector<std::string>& names, std::size_t row, cv::Point at,
+                  cv::Mat& picture) {
+  int all = 0, right = 0, most = 0;
+  std::string similar;
+  for (const std::string& answer : names) {
+    const auto found = counts.find({names[row], answer});
+    if (found == counts.end()) continue;
+    all += found->second;
+    if (answer == names[row]) right = found->second;
+    if (answer == names[row] || found->second <= most) continue;
+    most = found->second;
+    similar = answer;
+  }
+  if (all == 0) return;
+  const std::string text = std::to_string(right) + " of " + std::to_string(all) + (most > 0 ? ", " + similar : "");
+  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.3, {60, 60, 60}, 1, cv::LINE_AA);
+}
+
 void writeNames(const std::vector<std::string>& names, int cell_px, int margin_px, cv::Mat& picture) {
   const cv::Scalar ink{60, 60, 60};
   cv::Mat turned = cv::Mat(picture.size(), picture.type(), cv::Scalar(255, 255, 255));
@@ -175,12 +194,17 @@ cv::Mat drawConfusion(const std::vector<Query>& queries, const std::vector<Outco
     met.insert(queries[i].category);
     met.insert(answer);
   }
-  constexpr int kCell_px = 11, kMargin_px = 120;
+  constexpr int kCell_px = 11, kMargin_px = 120, kSummary_px = 200;
   const std::vector<std::string> names(met.begin(), met.end());
   const int side = kMargin_px + kCell_px * static_cast<int>(names.size());
-  cv::Mat picture(side, side, CV_8UC3, cv::Scalar(255, 255, 255));
-  for (std::size_t row = 0; row < names.size(); ++row) drawRow(counts, names, row, kCell_px, kMargin_px, picture);
-  writeNames(names, kCell_px, kMargin_px, picture);
+  cv::Mat picture(side, side + kSummary_px, CV_8UC3, cv::Scalar(255, 255, 255));
+  cv::Mat square = picture.colRange(0, side);
+  writeNames(names, kCell_px, kMargin_px, square);
+  for (std::size_t row = 0; row < names.size(); ++row) {
+    drawRow(counts, names, row, kCell_px, kMargin_px, square);
+    const int bottom = kMargin_px + (static_cast<int>(row) + 1) * kCell_px;
+    writeSummary(counts, names, row, {side + 4, bottom - 2}, picture);
+  }
   return picture;
 }
 

@@ -70,7 +70,10 @@ def test_the_table_has_a_row_a_method(voxid, index, queries, tmp_path):
     assert lines[4].startswith("by vote, as synsets: top-1 ") and len(lines) == 5
     assert "83.33" in answer.out
     picture = cv2.imread(str(tmp_path / "c.png"))
-    assert picture.shape[0] == picture.shape[1] > 120
+    side, width = picture.shape[:2]
+    assert 120 < side < width
+    margin = picture[120:, side:]  # "5 of 6, cube" at the end of a row
+    assert (margin < 128).any() and (picture[:120, side:] == 255).all()
 
 
 def test_bad_queries(voxid, index, queries, tmp_path):
