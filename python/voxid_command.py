@@ -1,21 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """voxid_command.py VOXID SUBCOMMAND [OPTIONS]: the sub-commands of `voxid` that are written in Python."""
 import os
+import signal
 import sys
 
 from voxid.failure import BAD_USE, CANNOT_DO, Failure
 
 
-def run(program, command, arguments):
+def loaded(command):
+    """The function that runs it on (program, arguments)."""
     if command == "acquire":
         from voxid.acquire import command as acquire
-        return acquire.run(program, arguments)
+        return acquire.run
     if command == "build":
         from voxid import distribute
-        return distribute.run(program, arguments)
+        return distribute.run
     if command == "library":
         from voxid.acquire import list_library
-        return list_library.run(arguments)
+        return lambda _, arguments: list_library.run(arguments)
     raise Failure(f"{command} is no sub-command that is written in Python", BAD_USE)
 
 
@@ -23,22 +25,33 @@ def say(sentence):
     print(f"voxid: {' '.join(str(sentence).split())}", file=sys.stderr)
 
 
+def leave_output():
+    """What is still to be written there is given up, or Python tries again as it ends."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
 def main():
+    if sys.stdout is None:  # closed by the caller
+        sys.stdout = open(os.devnull, "w")
     try:
-        code = run(sys.argv[1], sys.argv[2], sys.argv[3:])
+        run = loaded(sys.argv[2])
+        # The caller held interrupts back: modules that are interrupted while they load say something of their own.
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        code = run(sys.argv[1], sys.argv[3:])
         sys.stdout.flush()
         return code
     except Failure as failure:
         say(failure.sentence)
         return failure.code
     except BrokenPipeError:  # the reader has had enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        leave_output()
         return CANNOT_DO
     except KeyboardInterrupt:
         say("interrupted")
         return CANNOT_DO
     except OSError as error:
-        say(f"{error.filename or 'file'}: {error.strerror or error}")
+        say(f"{error.filename or 'cannot read or write'}: {error.strerror or error}")
+        leave_output()
         return CANNOT_DO
 
 

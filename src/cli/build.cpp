@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // voxid build: models become an index.
-#include <signal.h>
-
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -34,7 +32,7 @@ class JsonListener : public BuildListener {
 
 void printEmpty(const BuildReport& report) {
   for (const std::string& category : report.empty_categories) {
-    std::fprintf(stderr, "voxid: category %s has no readable mesh and is left out\n", category.c_str());
+    std::fprintf(stderr, "voxid: category %s has no readable mesh and is left out\n", oneLine(category).c_str());
   }
 }
 
@@ -130,7 +128,6 @@ Result<BuildReport> runPart(const BuildOptions& options, const std::string& text
 }
 
 Status run(const BuildOptions& options, const std::string& part, bool json) {
-  ::signal(SIGXFSZ, SIG_IGN);  // a file size limit is then an error of write(), with a sentence
   JsonListener events;
   ProgressBar bar;
   BuildListener& listener = json ? static_cast<BuildListener&>(events) : bar;

@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "command.h"
 #include "voxid/library/builder.h"
 
 namespace voxid::cli {
@@ -43,7 +44,7 @@ class ProgressBar : public BuildListener {
 
 inline void printSkipped(const std::vector<SkippedModel>& models) {
   for (const SkippedModel& skipped : models) {
-    std::fprintf(stderr, "voxid: skipped %s: %s\n", skipped.model.c_str(), skipped.reason.c_str());
+    std::fprintf(stderr, "voxid: skipped %s: %s\n", oneLine(skipped.model).c_str(), oneLine(skipped.reason).c_str());
   }
 }
 

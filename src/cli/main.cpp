@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <iostream>
 #include <opencv2/core/utils/logger.hpp>
@@ -42,15 +44,20 @@ constexpr SubCommand kSubCommands[] = {
 
 int fail(const Status& status) {
   std::fflush(stdout);
-  std::string sentence = status.sentence;  // other libraries' messages may have several lines
-  std::replace(sentence.begin(), sentence.end(), '\n', ' ');
-  std::fprintf(stderr, "voxid: %s\n", sentence.c_str());
+  std::fprintf(stderr, "voxid: %s\n", oneLine(status.sentence).c_str());
   return static_cast<int>(status.kind);
+}
+
+/// What was printed has arrived, or there is a reason; a full disk under `> FILE` shows only now.
+Status flushed() {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.flush()) return {};
+  return Status::cannotDo(std::string("cannot write to standard output: ") + std::strerror(errno));
 }
 
 }  // namespace
 
 int main(int argc, char** argv) try {
+  ::signal(SIGXFSZ, SIG_IGN);  // a file size limit is then an error of write(), with a sentence
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // what is wrong is said once, by us
   CLI::App app{"voxid names the things on a table"};
   app.set_version_flag("--version", "voxid " VOXID_VERSION);
@@ -69,7 +76,8 @@ int main(int argc, char** argv) try {
   }
   for (const auto& [sub, run] : commands) {
     if (!sub->parsed()) continue;
-    const Status status = run();
+    Status status = run();
+    if (status.ok()) status = flushed();
     return status.ok() ? 0 : fail(status);
   }
   return fail(Status::badUse("no sub-command given; see --help"));

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <system_error>
@@ -37,12 +38,18 @@ Status handOver(const char* command, const std::vector<std::string>& arguments) 
     return Status::cannotDo("voxid_command.py is neither in share/voxid/python nor in python beside the folder of " +
                             program.string() + "; scripts/build or an installation puts it there");
   }
-  // -B: nothing is written where voxid lies; -E, -s: no module of the user's takes the place of ours.
-  std::vector<std::string> words = {kPython, "-B", "-E", "-s", script.string(), program.string(), command};
+  // -B: nothing is written where voxid lies; -E, -s: no module of the user's takes the place of ours; UTF-8 in any
+  // locale.
+  std::vector<std::string> words = {kPython,          "-B",   "-E", "-s", "-X", "utf8", script.string(),
+                                    program.string(), command};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
+  sigset_t interrupt;  // waits until voxid_command.py can answer it in one line
+  sigemptyset(&interrupt);
+  sigaddset(&interrupt, SIGINT);
+  sigprocmask(SIG_BLOCK, &interrupt, nullptr);
   execv(kPython, argv.data());
   return Status::cannotDo(std::string(kPython) + ": " + std::strerror(errno));
 }

@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Wrong input gives one sentence and its exit code, never a traceback."""
+import os
+import pathlib
 import struct
+import subprocess
 
 import cv2
 import numpy as np
 import pytest
 
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = ROOT / os.environ.get("VOXID", pathlib.Path(os.environ.get("VOXID_BUILD", "build")) / "bin" / "voxid")
 MAJOR_AT = 8
 
 
@@ -180,3 +185,12 @@ def test_the_assumed_camera_is_said_once(voxid, index, tmp_path, slab):
     assert answer.code == 0 and len(answer.lines) == 2
     (said,) = answer.err.splitlines()
     assert "525,525,319.5,239.5" in said
+
+
+@pytest.mark.parametrize("command", [["info", "INDEX"], ["acquire", "mug"]])
+def test_a_full_disk_under_standard_output_is_one_line(index, command):
+    words = [str(PROGRAM), *(str(index) if word == "INDEX" else word for word in command)]
+    with open("/dev/full", "w") as full:
+        run = subprocess.run(words, stdout=full, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, timeout=60)
+    assert run.returncode == 1 and len(run.stderr.splitlines()) == 1, run.stderr
+    assert run.stderr.startswith("voxid: ") and "No space left on device" in run.stderr

@@ -99,6 +99,14 @@ def test_damaged_shards_are_made_anew(voxid, models, out, expected):
     assert out.read_bytes() == expected
 
 
+def test_a_name_with_a_line_end_is_one_line(voxid, out, tmp_path):
+    solids.write_ply(tmp_path / "in" / "ball" / "a.ply", solids.ball())
+    (tmp_path / "in" / "ball" / "b\n\x1b[2J.ply").write_text("ply")
+    answer = build(voxid, tmp_path / "in", out)
+    assert answer.code == 0 and answer.err.splitlines()[0].startswith("voxid: skipped ball/b  [2J.ply: ")
+    assert len(answer.err.splitlines()) == 2
+
+
 @pytest.mark.parametrize("kib", [1, 30])
 def test_a_full_disk_is_one_line_and_leaves_the_old_index(voxid, models, out, expected, kib):
     """At 1 KiB no shard fits; at 30 KiB shards fit and the index does not."""

@@ -1,9 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """voxid add, remove and merge."""
 import fcntl
+import os
+import pathlib
+import re
 import shutil
+import subprocess
 
 import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = ROOT / os.environ.get("VOXID", pathlib.Path(os.environ.get("VOXID_BUILD", "build")) / "bin" / "voxid")
 
 
 def build(voxid, models, out, *options):
@@ -49,6 +56,18 @@ def test_added_removed_and_merged_are_what_a_build_of_all_gives(voxid, files, ha
     assert voxid("remove", removed, "cube/cube_b", "tin").code == 0
     assert removed.read_bytes() == first.read_bytes()
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(["merged.vxi", first.name, whole.name])
+
+
+@pytest.mark.parametrize("change", [["add", "FILE", "--models", "MODELS"], ["remove", "FILE", "tin"],
+                                    ["merge", "FIRST", "SECOND", "--out", "FILE"]])
+def test_a_full_disk_is_one_line_and_leaves_the_index(files, halves, tmp_path, change):
+    file = pathlib.Path(copied(files[0], tmp_path))
+    places = {"FILE": file, "MODELS": halves[1], "FIRST": files[1], "SECOND": files[2]}
+    command = [str(places.get(word, word)) for word in change] + ["--replace"] * (change[0] == "add")
+    run = subprocess.run(["bash", "-c", 'ulimit -f 4 && exec "$@"', "limited", PROGRAM, *command], capture_output=True,
+                         text=True, timeout=120)
+    assert run.returncode == 1 and re.fullmatch("voxid: .*File too large\n", run.stderr), (run.returncode, run.stderr)
+    assert file.read_bytes() == files[0].read_bytes() and list(tmp_path.iterdir()) == [file]
 
 
 def test_a_model_that_is_there_is_refused_or_replaced(voxid, files, halves, tmp_path):
