@@ -73,6 +73,11 @@ def test_without_a_terminal_the_senses_are_listed_and_it_ends(voxid):
     assert senses[0]["sense"] in (3, 4) and senses[-1]["sense"] in (1, 2)
 
 
+def test_spaces_between_words_do_not_matter(voxid):
+    answer = voxid("acquire", "  coffee   mug ", "--sense", 1, "--explain", "--json")
+    assert answer.code == 0 and answer.lines[0]["word"] == "coffee mug", answer.err
+
+
 def test_words_say_where_they_come_from(voxid):
     answer = voxid("acquire", "mug", "--sense", 4, "--explain", "--json")
     assert answer.code == 0, answer.err
@@ -83,9 +88,11 @@ def test_words_say_where_they_come_from(voxid):
 
 
 def test_bad_use_is_one_sentence(voxid, tmp_path):
-    voxid("acquire", "mug", "--sense", 9, "--explain").refuses(2, "--sense 9")
+    for wrong in ("9", "-1"):
+        voxid("acquire", "mug", f"--sense={wrong}", "--explain").refuses(2, f"--sense {wrong}", "4 (mug.n.04)")
     voxid("acquire", "qqqqx", "--explain").refuses(3, "qqqqx")
-    voxid("acquire", "../mug", "--explain").refuses(2, "../mug")
+    for wrong in ("../mug", "caf\u00e9", ""):
+        voxid("acquire", wrong, "--explain").refuses(2, wrong, "letters a to z")
     voxid("acquire", "mug", "--sense", 4).refuses(2, "--source")
     voxid("acquire", "mug", "--frobnicate").refuses(2, "--frobnicate")
     voxid("acquire", "mug", "--sense", 4, "--source", tmp_path / "none", "--out", tmp_path / "lib").refuses(1, "none")

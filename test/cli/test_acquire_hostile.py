@@ -4,6 +4,7 @@ import gzip
 import json
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 import time
@@ -176,8 +177,24 @@ def test_a_full_disk_is_one_line_and_settles_nothing(folder, tmp_path):
     limit = ["bash", "-c", 'ulimit -f 1 && exec "$@"', "limited", str(PROGRAM)]
     run = subprocess.run(limit + arguments(folder, tmp_path / "lib", "--yes"), capture_output=True, text=True, timeout=60)
     (line,) = run.stderr.splitlines()
-    assert run.returncode == 1 and line.startswith("voxid: ") and "too large" in line
+    assert run.returncode == 1 and line.startswith(f"voxid: {tmp_path / 'lib'}") and "too large" in line
     assert not (tmp_path / "lib" / "library.json").exists()
+
+
+@pytest.mark.parametrize("wait_s", [0.1, 0.3])
+def test_interrupted_at_any_moment_it_says_so_and_the_next_run_completes_it(voxid, folder, tmp_path, wait_s):
+    """Also while its modules load."""
+    library = tmp_path / "lib"
+    running = subprocess.Popen([str(PROGRAM), *arguments(folder, library, "--yes")], stdout=subprocess.DEVNULL,
+                               stderr=subprocess.PIPE, text=True)
+    time.sleep(wait_s)
+    running.send_signal(signal.SIGINT)
+    said = running.communicate(timeout=60)[1]
+    # Before its own code has begun the signal ends it without a word, as it does any program.
+    assert (running.returncode, said) in [(1, "voxid: interrupted\n"), (-signal.SIGINT, "")] or running.returncode == 0
+    assert not (library / ".work").exists()
+    assert voxid(*arguments(folder, library, "--yes")).code == 0
+    assert len(json.loads((library / "library.json").read_text())) == 3
 
 
 def test_killed_at_any_moment_the_next_run_completes_it(voxid, folder, tmp_path):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The mesh of a zip archive that somebody else made: nothing is written under a name of the archive's own, and
-what unpacks to more than the limit is refused, whatever its headers say."""
+what unpacks to more than the limit is refused, whatever its headers say. And glTF, whose buffers are other files."""
 import base64
 import json
 import pathlib
@@ -84,19 +84,20 @@ def mesh_in(names):
     return min(ranked)[2]
 
 
-def whole_gltf(archive, name):
-    """A .gltf with its buffers inside and its pictures left out: one file, as the library wants it."""
+def whole_gltf(files, name):
+    """The .gltf of an archive or a folder with its buffers inside and its pictures left out: one file, as the library
+    wants it. `files.read(name)` gives the bytes of a file."""
     try:
-        scene = json.loads(archive.read(name))
+        scene = json.loads(files.read(name))
         for buffer in scene.get("buffers", []):
             uri = buffer.get("uri", "")
             if not uri.startswith("data:"):
                 inside = posixpath.normpath(posixpath.join(posixpath.dirname(name), urllib.parse.unquote(uri)))
-                text = base64.b64encode(archive.read(inside)).decode()
+                text = base64.b64encode(files.read(inside)).decode()
                 buffer["uri"] = f"data:application/octet-stream;base64,{text}"
         _without_pictures(scene)
     except (ValueError, RecursionError, AttributeError, TypeError):
-        raise Failure(f"'{name[:60]}' in the archive is no glTF", DAMAGED) from None
+        raise Failure(f"'{name[:60]}' is no glTF", DAMAGED) from None
     return json.dumps(scene).encode()
 
 
@@ -106,6 +107,12 @@ def _without_pictures(scene):
     for mesh in scene.get("meshes", []):
         for primitive in mesh.get("primitives", []):
             primitive.pop("material", None)
+
+
+def format_in(path):
+    """Of the archive's mesh."""
+    with Archive(path, 0) as archive:
+        return mesh_in(archive.names()).rsplit(".", 1)[-1].lower()
 
 
 def unpack_mesh(path, limit_bytes):

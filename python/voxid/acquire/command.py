@@ -4,7 +4,6 @@ import json
 import pathlib
 import re
 import sys
-import tempfile
 
 import cv2
 
@@ -41,6 +40,7 @@ def options_of(arguments):
     parser.add_argument("--json", action="store_true",
                         help="one JSON object a line: senses, words, or candidates with their verdict")
     options = parser.parse_args(arguments)
+    options.word = " ".join(options.word.split())
     if options.most < 1 or options.max_mb < 1:
         parser.error("--most and --max-mb expect a number of at least 1")
     if not 0.1 <= options.timeout <= 3600:
@@ -220,9 +220,9 @@ def judge_and_keep(options, program, gatherer, library, synset, queries):
 def acquire(options, program, synset, queries):
     category = source.file_name(options.word)
     library = Library(options.out)
-    with library.locked(), tempfile.TemporaryDirectory(prefix="voxid-acquire-") as folder:
+    with library.locked(), library.work_folder() as folder:
         clash(library, category, synset)
-        gatherer = gather.Gatherer(program, library, category, pathlib.Path(folder), options.max_mb << 20)
+        gatherer = gather.Gatherer(program, library, category, folder, options.max_mb << 20)
         taken, found = judge_and_keep(options, program, gatherer, library, synset, queries)
     kept = len(library.kept(category))
     gather.say(f"{library.root}: {taken} models of {found} new candidates kept; "

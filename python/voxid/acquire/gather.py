@@ -5,7 +5,7 @@ import datetime
 import errno
 import sys
 
-from voxid.acquire import judge
+from voxid.acquire import judge, source
 from voxid.acquire.library import checksum
 from voxid.acquire.web import Unreached
 from voxid.failure import Failure
@@ -48,7 +48,7 @@ class Gatherer:
 
     def _of(self, where, queries, synsets, seen):
         in_a_row = 0
-        for candidate in where.search(queries, synsets):
+        for candidate in map(source.printable, where.search(queries, synsets)):
             key = f"{self._category}/{where.name}_{candidate.id}"
             if key in seen:
                 continue
@@ -65,14 +65,13 @@ class Gatherer:
             where.fetch(candidate, mesh, self._limit_bytes)
         except (Failure, OSError) as failure:
             self._unless_no_room(failure)
-            verdict = judge.Verdict(" ".join(str(failure).split()), 0, None, None)
+            verdict = judge.Verdict(source.one_line(str(failure)), 0, None, None)
             return Found(key, candidate, None, "", verdict, not isinstance(failure, (Unreached, OSError)))
         return Found(key, candidate, mesh, checksum(mesh), judge.judge(self._program, mesh), True)
 
-    @staticmethod
-    def _unless_no_room(failure):
+    def _unless_no_room(self, failure):
         if isinstance(failure, OSError) and failure.errno in NO_ROOM:
-            raise failure
+            raise OSError(failure.errno, failure.strerror, str(self._folder)) from None
 
     def _known(self):
         """(key, shape) of the library's models; each is described once, for good."""

@@ -35,18 +35,18 @@ def _limit():
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def run(program, *arguments):
+def run(program, command, mesh, *options):
     """(answer, reason): what the child printed, or one sentence about how it ended."""
     try:
-        done = subprocess.run([program, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True,
-                              timeout=SECONDS, preexec_fn=_limit)
+        done = subprocess.run([program, command, mesh, *map(str, options)], stdin=subprocess.DEVNULL,
+                              capture_output=True, text=True, errors="replace", timeout=SECONDS, preexec_fn=_limit)
     except subprocess.TimeoutExpired:
         return None, f"not read within {SECONDS} s"
     if done.returncode < 0:
         return None, f"its reader died of {signal.Signals(-done.returncode).name}"
     if done.returncode > 0:
         lines = done.stderr.strip().splitlines() or [f"its reader ended with {done.returncode}"]
-        return None, lines[-1].removeprefix("voxid: ")
+        return None, lines[-1].removeprefix("voxid: ").removeprefix(f"{mesh}: ")
     return done.stdout, ""
 
 

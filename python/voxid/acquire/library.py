@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 import pathlib
+import shutil
 
 import numpy as np
 
@@ -35,9 +36,9 @@ def write_whole(path, data):
             file.flush()
             os.fsync(file.fileno())
         os.replace(beside, path)
-    except OSError:
+    except OSError as error:
         beside.unlink(missing_ok=True)
-        raise
+        raise OSError(error.errno, error.strerror, str(path)) from None
     folder = os.open(path.parent, os.O_RDONLY)
     try:
         os.fsync(folder)
@@ -80,6 +81,17 @@ class Library:
                 raise Failure(f"{self.root} is being written by another voxid; wait for it to end", CANNOT_DO) from None
             self.notes = self._read()
             yield
+
+    @contextlib.contextmanager
+    def work_folder(self):
+        """For what is on its way, while the library is locked; what a killed run left there is removed."""
+        folder = self.root / ".work"
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir()
+        try:
+            yield folder
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
 
     def models(self, category=None):
         """(category/file, note) of the models, kept and dropped, in order."""

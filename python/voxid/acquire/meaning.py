@@ -83,13 +83,13 @@ def choose(word, senses, wanted):
 
 
 def is_word(word):
-    """Letters, digits, spaces and hyphens: what may also name a folder."""
+    """What WordNet's words are made of, and what may also name a folder."""
     return re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9 _'-]{0,63}", word) is not None
 
 
 def senses_of(wordnet, word):
     if not is_word(word):
-        raise Failure(f"'{word}' is no word: expected letters, digits, spaces, hyphens, at most 64", BAD_USE)
+        raise Failure(f"'{word}' is no word: expected letters a to z, digits, spaces, hyphens, at most 64", BAD_USE)
     senses = wordnet.senses(word)
     if not senses:
         raise Failure(f"WordNet does not know the noun '{word}'; try a more common or a more general word",

@@ -1,21 +1,50 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Folders on disk: any folder of meshes, and local mirrors of ShapeNet, ModelNet, 3DNet, Objaverse by their layout."""
 import gzip
+import hashlib
 import json
+import os
 import pathlib
 import shutil
 import zlib
 
 from voxid.acquire import source
+from voxid.acquire.archive import format_in, unpack_mesh, whole_gltf
 from voxid.failure import DAMAGED, Failure
 
 # Which of several files of one model is taken.
 PREFERRED = {format_: rank for rank, format_ in enumerate(source.FORMATS)}
 
 
-def meshes_under(folder):
-    """Mesh files in the order of their paths; links to folders are not followed, so that the walk ends."""
-    return sorted(path for path in folder.rglob("*") if path.suffix[1:].lower() in PREFERRED and path.is_file())
+def files_under(folder, formats):
+    """In the order of their paths; links to folders are not followed, so that the walk ends."""
+    return sorted(path for path in folder.rglob("*") if path.suffix[1:].lower() in formats and path.is_file())
+
+
+def format_of(path):
+    """By the name; of an archive, that of the mesh in it. `zip` if it has none: fetching it says why."""
+    try:
+        return format_in(path) if path.suffix.lower() == ".zip" else path.suffix[1:].lower()
+    except Failure:
+        return "zip"
+
+
+class Inside:
+    """Files of a folder, and no others; `limit_bytes` is for all that is read together."""
+
+    def __init__(self, root, limit_bytes):
+        self._root, self._left, self._limit = root.resolve(), limit_bytes, limit_bytes
+
+    def read(self, name):
+        path = (self._root / name).resolve()
+        if self._root not in path.parents:
+            raise Failure(f"it names '{name[:60]}', outside the source's folder", DAMAGED)
+        if not path.is_file():
+            raise Failure(f"it names '{name[:60]}', which is not there", DAMAGED)
+        self._left -= path.stat().st_size
+        if self._left < 0:
+            raise Failure(f"it and what it names have more than {self._limit} bytes")
+        return path.read_bytes()
 
 
 def read_json(path):
@@ -45,26 +74,44 @@ class OnDisk(source.Source):
     def candidate(self, path, id_, title, query, **known):
         fields = {"licence": self.licence, "author": self.author, "url": self.url, **known}
         return source.Candidate(f"{self.name}: {path.relative_to(self._root)}", source.file_name(id_), title,
-                                path.suffix[1:].lower(), path.stat().st_size, word=query, place=path, **fields)
+                                format_of(path), path.stat().st_size, word=query, place=path, **fields)
 
     def fetch(self, candidate, target, limit_bytes):
-        if candidate.place.stat().st_size > limit_bytes:
-            raise Failure(f"{candidate.place} has more than {limit_bytes} bytes")
-        shutil.copyfile(candidate.place, target)
+        path = candidate.place
+        if path.stat().st_size > limit_bytes:
+            raise Failure(f"{path} has more than {limit_bytes} bytes")
+        if path.suffix.lower() == ".zip":
+            target.write_bytes(unpack_mesh(path, limit_bytes)[1])
+        elif candidate.format == "gltf":
+            name = path.relative_to(self._root).as_posix()
+            target.write_bytes(whole_gltf(Inside(self._root, limit_bytes), name))
+        else:
+            shutil.copyfile(path, target)
+
+
+def id_of(stem, taken):
+    """What names the model of a file: its path without ending. Of two that differ only in what a file's name leaves
+    out or cuts off, the later gets a sum too; the same model in another format has the same id. `taken`: id -> stem."""
+    id_ = source.file_name(stem)
+    if taken.setdefault(id_, stem) == stem:
+        return id_
+    return f"{id_[:71]}_{hashlib.sha256(os.fsencode(stem)).hexdigest()[:8]}"
 
 
 class Folder(OnDisk):
-    """Any folder: a mesh is called by its own name, or by that of a folder that it lies in (ModelNet, 3DNet)."""
+    """Any folder: a mesh, or a zip archive with one, is called by its own name, or by that of a folder that it lies in
+    (ModelNet, 3DNet)."""
 
     name = "folder"
 
     def search(self, queries, synsets):
-        for path in meshes_under(self._root):
+        taken = {}
+        for path in files_under(self._root, {*PREFERRED, "zip"}):
             inner = path.relative_to(self._root)
             titles = [path.stem, *reversed(inner.parent.parts)]
             query = next(filter(None, (source.query_for(title, queries) for title in titles)), None)
             if query is not None:
-                yield self.candidate(path, str(inner.with_suffix("")), path.stem, query)
+                yield self.candidate(path, id_of(str(inner.with_suffix("")), taken), path.stem, query)
 
 
 class ShapeNet(OnDisk):
@@ -80,7 +127,7 @@ class ShapeNet(OnDisk):
         for offset, name in sorted(wanted.items()):
             query = source.query_for(name.split(".")[0], queries) or queries[0]
             for model in sorted(path for path in (self._root / offset).glob("*") if path.is_dir()):
-                files = meshes_under(model)
+                files = files_under(model, PREFERRED)
                 if files:
                     yield self.candidate(files[0], f"{offset}_{model.name}", f"{name} {model.name}", query)
 

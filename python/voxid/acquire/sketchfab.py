@@ -117,5 +117,4 @@ def _bytes_of(archive):
 
 
 def _text(value):
-    """One line, without what would move a terminal's cursor."""
-    return " ".join(re.sub(r"[\x00-\x1f\x7f-\x9f]", " ", value).split())[:200] if isinstance(value, str) else ""
+    return value if isinstance(value, str) else ""

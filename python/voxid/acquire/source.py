@@ -25,6 +25,18 @@ class Source:
         raise NotImplementedError
 
 
+def one_line(text):
+    """Without what would end the line or move a terminal's cursor; what is no UTF-8 becomes `?`."""
+    text = text.encode("utf-8", "replace").decode()
+    return " ".join(re.sub(r"[\x00-\x1f\x7f-\x9f]", " ", text).split())
+
+
+def printable(candidate):
+    """The candidate with texts that fit a report: its source, and whoever names files there, may write anything."""
+    fields = ("source", "title", "licence", "author", "url")
+    return candidate._replace(**{field: one_line(getattr(candidate, field))[:200] for field in fields})
+
+
 def plain(text):
     """Lower case words with single spaces: `Coffee-Mug_28` is `coffee mug 28`."""
     return " ".join(re.findall(r"[^\W_]+", re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text).lower()))
