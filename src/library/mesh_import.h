@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The part of readByAssimp() that runs in a process of its own.
+// The part of readByAssimp() that runs in a process of its own, voxid_read_mesh.
 #pragma once
 
 #include <cstdint>

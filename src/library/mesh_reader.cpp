@@ -85,12 +85,22 @@ class Inbox {
   bool late_ = false;
 };
 
-std::string howItEnded(pid_t child) {
+/// Says nothing of the mesh: voxid acquire (judge.py) knows it by its first words.
+Status notStarted(const std::string& why) {
+  return Status::cannotDo("cannot start lib/voxid/voxid_read_mesh, which reads this format: " + why);
+}
+
+/// The reason that a child gives which sent no mesh.
+Status howItEnded(pid_t child) {
+  constexpr int kNotLoaded = 127;  // by the system's loader
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  if (WIFSIGNALED(status)) return std::string("crashed (") + ::strsignal(WTERMSIG(status)) + ")";
-  return "ended without a mesh, out of memory perhaps";
+  if (WIFSIGNALED(status))
+    return Status::cannotDo(std::string("Assimp crashed (") + ::strsignal(WTERMSIG(status)) + ")");
+  if (WIFEXITED(status) && WEXITSTATUS(status) == kNotLoaded)
+    return notStarted("a library is not there; install voxid anew");
+  return Status::cannotDo("Assimp ended without a mesh, out of memory perhaps");
 }
 
 Result<Mesh> receive(Inbox& inbox, std::string& refusal) {
@@ -115,10 +125,10 @@ Result<Mesh> receiveFrom(pid_t child, int pipe, const MeshReaderLimits& limits) 
   std::string refusal;
   Result<Mesh> mesh = receive(inbox, refusal);
   if (inbox.late() || !refusal.empty()) ::kill(child, SIGKILL);
-  const std::string ending = howItEnded(child);
+  const Status ending = howItEnded(child);
   if (mesh.ok() || !refusal.empty()) return mesh;
   if (inbox.late()) return Status::cannotDo("Assimp took more than " + std::to_string(limits.seconds) + " s");
-  return Status::cannotDo("Assimp " + ending);
+  return ending;
 }
 
 /// Not a pipe or a device: opening those could wait for ever.
@@ -128,21 +138,6 @@ Status checkRegularFile(const std::string& path) {
   if (!S_ISREG(about.st_mode)) return Status::cannotDo(path + " is no file");
   if (::access(path.c_str(), R_OK) != 0) return Status::cannotDo(path + ": " + std::strerror(errno));
   return {};
-}
-
-bool oneThread() {
-  std::error_code error;
-  const fs::directory_iterator threads("/proc/self/task", error), end;
-  return !error && std::distance(threads, end) == 1;
-}
-
-Status noProcess(int error) { return Status::cannotDo(std::string("no process for Assimp: ") + std::strerror(error)); }
-
-Result<pid_t> forkReader(const std::string& path, const MeshReaderLimits& limits, int pipe) {
-  const pid_t child = ::fork();
-  if (child == 0) importInto(pipe, path, limits);
-  if (child < 0) return noProcess(errno);
-  return child;
 }
 
 /// The file that this code was loaded from: a library, or the program.
@@ -164,11 +159,9 @@ fs::path readerProgram() {
   return {};
 }
 
-/// Of a process with several threads a fork would copy locks that other threads hold, and stop them while it copies.
 Result<pid_t> spawnReader(const std::string& path, const MeshReaderLimits& limits, int pipe) {
   const std::string program = readerProgram().string();
-  if (program.empty())
-    return Status::cannotDo("lib/voxid/voxid_read_mesh is not there, which reads this format: install voxid anew");
+  if (program.empty()) return notStarted("not there; install voxid anew");
   std::string words[] = {program, path, std::to_string(limits.seconds), std::to_string(limits.memory_bytes)};
   char* arguments[] = {words[0].data(), words[1].data(), words[2].data(), words[3].data(), nullptr};
   posix_spawn_file_actions_t actions;
@@ -177,7 +170,7 @@ Result<pid_t> spawnReader(const std::string& path, const MeshReaderLimits& limit
   pid_t child = 0;
   const int error = ::posix_spawn(&child, program.c_str(), &actions, nullptr, arguments, environ);
   ::posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) return noProcess(error);
+  if (error != 0) return notStarted(std::strerror(error));
   return child;
 }
 
@@ -194,8 +187,8 @@ Result<Mesh> readByAssimp(const std::string& path, const MeshReaderLimits& limit
   const Status readable = checkRegularFile(path);
   if (!readable.ok()) return readable;
   int ends[2];
-  if (::pipe2(ends, O_CLOEXEC) != 0) return Status::cannotDo(std::string("no pipe: ") + std::strerror(errno));
-  const Result<pid_t> child = oneThread() ? forkReader(path, limits, ends[1]) : spawnReader(path, limits, ends[1]);
+  if (::pipe2(ends, O_CLOEXEC) != 0) return notStarted(std::strerror(errno));
+  const Result<pid_t> child = spawnReader(path, limits, ends[1]);
   ::close(ends[1]);
   Result<Mesh> mesh = child.ok() ? receiveFrom(child.value, ends[0], limits) : Result<Mesh>(child.status);
   ::close(ends[0]);

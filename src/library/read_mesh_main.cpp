@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// voxid_read_mesh FILE SECONDS BYTES: what readByAssimp() starts where it cannot fork. The mesh goes to standard
-// output.
+// voxid_read_mesh FILE SECONDS BYTES: what readByAssimp() starts. The mesh goes to standard output.
 #include <unistd.h>
 
 #include <cstdio>

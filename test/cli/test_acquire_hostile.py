@@ -4,6 +4,7 @@ import gzip
 import json
 import os
 import pathlib
+import shutil
 import signal
 import subprocess
 import sys
@@ -69,17 +70,45 @@ def test_meshes_that_crash_their_reader_cost_one_line_each(voxid, folder, tmp_pa
     assert {path.name for path in (tmp_path / "lib/mug").glob("folder_*")} == {"folder_mug_1.ply", "folder_mug_2.ply"}
 
 
+def write_program(path, body):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(f"#!/bin/bash\n{body}\n")
+    path.chmod(0o755)
+    return path
+
+
 @pytest.mark.parametrize("body, reason", [("kill -SEGV $$", "died of SIGSEGV"), ("sleep 30", "not read within"),
                                           ("echo 'voxid: no' >&2; exit 1", "no"), ("exit 1", "ended with 1")])
 def test_a_reader_that_dies_or_hangs_is_a_reason(tmp_path, monkeypatch, body, reason):
-    program = tmp_path / "voxid"
-    program.write_text(f"#!/bin/bash\n{body}\n")
-    program.chmod(0o755)
+    program = write_program(tmp_path / "voxid", body)
     monkeypatch.setattr(judge, "SECONDS", 1)
     start = time.monotonic()
     verdict = judge.judge(str(program), tmp_path / "a.ply")
     assert reason in verdict.reason and verdict.shape is None
     assert time.monotonic() - start < 10
+
+
+@pytest.mark.parametrize("reader, reason", [(None, "not there"), ("exit 127", "a library is not there")])
+def test_a_voxid_without_its_reader_ends_the_run_and_settles_nothing(folder, tmp_path, reader, reason):
+    """A broken installation: bin/voxid and its Python without a lib/voxid/voxid_read_mesh that starts."""
+    (folder / "mug 3.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 1\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 3 4\n")
+    (tmp_path / "usr/bin").mkdir(parents=True)
+    program = pathlib.Path(shutil.copy(PROGRAM, tmp_path / "usr/bin/voxid"))
+    (tmp_path / "usr/python").symlink_to(ROOT / "python")
+    if reader:
+        write_program(tmp_path / "usr/lib/voxid/voxid_read_mesh", reader)
+    words = [program, *arguments(folder, tmp_path / "lib", "--yes")]
+    run = subprocess.run(words, capture_output=True, text=True, timeout=60)
+    assert run.returncode == 1 and len(run.stderr.splitlines()) == 1, run.stderr
+    assert run.stderr.startswith("voxid: cannot start lib/voxid/voxid_read_mesh") and reason in run.stderr
+    assert run.stdout == ""
+    assert [path.name for path in (tmp_path / "lib").iterdir()] == [".lock"]
+
+
+def test_a_voxid_whose_libraries_are_not_there_says_nothing_of_a_mesh(tmp_path):
+    program = write_program(tmp_path / "voxid", "echo 'voxid: error while loading shared libraries' >&2; exit 127")
+    with pytest.raises(judge.NoReader, match="shared libraries"):
+        judge.judge(str(program), tmp_path / "a.ply")
 
 
 def test_a_catalogue_with_a_bomb_and_a_name_that_leads_out(voxid, tmp_path):

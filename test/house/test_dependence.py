@@ -84,7 +84,7 @@ KEYWORDS = {"PUBLIC", "PRIVATE", "INTERFACE"}
 OUTSIDE_TARGETS = {
     "voxid_core": r"$.",
     "voxid_geometry": r"Eigen3::Eigen$",
-    "voxid_library": r"(embree|assimp::assimp|nlohmann_json::nlohmann_json|Threads::Threads|\$\{CMAKE_DL_LIBS\})$",
+    "voxid_library": r"(embree|nlohmann_json::nlohmann_json|Threads::Threads|\$\{CMAKE_DL_LIBS\})$",
     "voxid_capture": r"(PkgConfig::OPENNI2|Threads::Threads|\$\{CMAKE_DL_LIBS\})$",
 }
 

@@ -40,6 +40,8 @@ class Gatherer:
                     if len(found) == most:
                         return found
                     found.append(one)
+            except judge.NoReader:
+                raise
             except (Failure, OSError) as failure:
                 self._unless_no_room(failure)
                 self.broken.append(f"{where.name}: {failure}")

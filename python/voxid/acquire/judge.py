@@ -14,7 +14,10 @@ import tempfile
 import cv2
 import numpy as np
 
+from voxid.failure import Failure
+
 SECONDS, MEMORY_BYTES = 90, 6 << 30  # the reader's own child has 60 s and 4 GiB (doc/build.md)
+NOT_LOADED = 127  # what the system's loader ends with if a library is not there
 TRIANGLES = (4, 2_000_000)
 THINNEST = 1e-3  # the second longest side, as a share of the longest; less is a line
 # See difference(). Turned and scaled copies stay below it, other shapes above (doc/acquisition.md).
@@ -29,6 +32,10 @@ Verdict = collections.namedtuple("Verdict", "reason triangles shape thumbnail")
 Shape = collections.namedtuple("Shape", "bins views")
 
 
+class NoReader(Failure):
+    """voxid itself, or a part of it, cannot be started: says nothing of a mesh, and ends the run."""
+
+
 def _limit():
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
     resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
@@ -36,7 +43,7 @@ def _limit():
 
 
 def run(program, command, mesh, *options):
-    """(answer, reason): what the child printed, or one sentence about how it ended."""
+    """(answer, reason): what the child printed, or one sentence about how it ended. NoReader if it could not begin."""
     try:
         done = subprocess.run([program, command, mesh, *map(str, options)], stdin=subprocess.DEVNULL,
                               capture_output=True, text=True, errors="replace", timeout=SECONDS, preexec_fn=_limit)
@@ -46,7 +53,10 @@ def run(program, command, mesh, *options):
         return None, f"its reader died of {signal.Signals(-done.returncode).name}"
     if done.returncode > 0:
         lines = done.stderr.strip().splitlines() or [f"its reader ended with {done.returncode}"]
-        return None, lines[-1].removeprefix("voxid: ").removeprefix(f"{mesh}: ")
+        reason = lines[-1].removeprefix("voxid: ").removeprefix(f"{mesh}: ")
+        if reason.startswith("cannot start") or done.returncode == NOT_LOADED:
+            raise NoReader(reason)
+        return None, reason
     return done.stdout, ""
 
 
