@@ -127,6 +127,17 @@ def test_a_folder_is_judged_once_and_built(voxid, meshes, tmp_path):
     voxid("acquire", "mug", "--sense", 1, "--source", meshes, "--out", library, "--yes").refuses(2, "03797390")
 
 
+@pytest.mark.parametrize("synset", ["03797390", "n03797390", 3797390])
+def test_another_word_for_what_a_category_holds_is_no_second_category(voxid, meshes, tmp_path, synset):
+    library = tmp_path / "lib"
+    library.mkdir()
+    (library / "library.json").write_text(json.dumps({"mug": {"synset": synset}}))
+    command = ("--sense", "mug.n.04", "--depth", 0, "--source", meshes, "--out", library, "--yes")
+    voxid("acquire", "mugs", *command).refuses(2, "mug.n.04 already, as mug, not mugs", "voxid acquire mug")
+    assert [path.name for path in library.iterdir() if path.is_dir()] == []
+    assert voxid("acquire", "mug", *command).code == 0
+
+
 def test_a_shapenet_mirror_is_found_by_its_offsets(voxid, tmp_path):
     mirror = tmp_path / "shapenet"
     solids.write_ply(mirror / "03797390" / "1a2b" / "models" / "model_normalized.ply", solids.ball())

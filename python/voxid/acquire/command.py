@@ -196,10 +196,16 @@ def settle(library, category, synset, passed, dropped, numbers):
 
 
 def clash(library, category, synset):
-    known = library.notes.get(category, {}).get("synset", meaning.offset_of(synset))
-    if known != meaning.offset_of(synset):
-        raise Failure(f"{library.root} has {category} already, as synset {known}, not {meaning.offset_of(synset)} "
+    """One category holds one meaning, and no meaning has two: two names of one thing would share its votes."""
+    offset, synsets = meaning.offset_of(synset), library.synsets()
+    known = synsets.get(category, offset)
+    if known != offset:
+        raise Failure(f"{library.root} has {category} already, as synset {known}, not {offset} "
                       f"({synset.name()}); one folder holds one meaning: choose another --out", BAD_USE)
+    twin = next((name for name, other in synsets.items() if other == offset and name != category), None)
+    if twin:
+        raise Failure(f"{library.root} has {synset.name()} already, as {twin}, not {category}; "
+                      f"`voxid acquire {twin}` adds to it", BAD_USE)
 
 
 def judge_and_keep(options, program, gatherer, library, synset, queries):

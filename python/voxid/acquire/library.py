@@ -98,6 +98,11 @@ class Library:
         return [(key, note) for key, note in sorted(self.notes.items())
                 if "/" in key and category in (None, key.split("/")[0])]
 
+    def synsets(self):
+        """Category -> the offset of its synset in eight digits, of those that have one (doc/build.md)."""
+        return {key: str(note["synset"]).removeprefix("n").zfill(8) for key, note in sorted(self.notes.items())
+                if "/" not in key and "synset" in note}
+
     def kept(self, category=None):
         return [(key, note) for key, note in self.models(category) if (self.root / key).is_file()]
 
