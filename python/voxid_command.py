@@ -30,6 +30,22 @@ def leave_output():
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
+def run_whole(run):
+    """The exit code, once what was printed has arrived."""
+    try:
+        code = run(sys.argv[1], sys.argv[3:])
+    except SystemExit as ended:  # argparse's --help
+        code = ended.code
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        leave_output()
+        raise Failure(f"cannot write to standard output: {error.strerror}") from None
+    return code
+
+
 def main():
     if sys.stdout is None:  # closed by the caller
         sys.stdout = open(os.devnull, "w")
@@ -37,9 +53,7 @@ def main():
         run = loaded(sys.argv[2])
         # The caller held interrupts back: modules that are interrupted while they load say something of their own.
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-        code = run(sys.argv[1], sys.argv[3:])
-        sys.stdout.flush()
-        return code
+        return run_whole(run)
     except Failure as failure:
         say(failure.sentence)
         return failure.code

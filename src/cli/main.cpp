@@ -71,7 +71,11 @@ int main(int argc, char** argv) try {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    if (error.get_exit_code() == 0) {  // --help, --version
+      app.exit(error);
+      const Status status = flushed();
+      return status.ok() ? 0 : fail(status);
+    }
     return fail(Status::badUse(std::string(error.what()) + "; see --help"));
   }
   for (const auto& [sub, run] : commands) {

@@ -187,7 +187,8 @@ def test_the_assumed_camera_is_said_once(voxid, index, tmp_path, slab):
     assert "525,525,319.5,239.5" in said
 
 
-@pytest.mark.parametrize("command", [["info", "INDEX"], ["acquire", "mug"]])
+@pytest.mark.parametrize("command", [["info", "INDEX"], ["acquire", "mug"], ["--help"], ["--version"],
+                                     ["build", "--help"], ["acquire", "--help"]])
 def test_a_full_disk_under_standard_output_is_one_line(index, command):
     words = [str(PROGRAM), *(str(index) if word == "INDEX" else word for word in command)]
     with open("/dev/full", "w") as full:
