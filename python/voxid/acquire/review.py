@@ -8,6 +8,7 @@ import http.server
 import pathlib
 import secrets
 import tempfile
+import threading
 import urllib.parse
 
 import cv2
@@ -19,17 +20,25 @@ TURNS, SIZE_PX = 12, 160
 MOST_FORM_BYTES = 1 << 20
 
 STYLE = f"""
-body {{ font: 15px sans-serif; margin: 1.5em; background: #f4f4f2; color: #222 }}
+body {{ font: 15px sans-serif; margin: 24px; background: #f4f4f2; color: #222 }}
 form {{ display: flex; flex-wrap: wrap; gap: 12px }}
 label {{ width: {SIZE_PX}px; background: #fff; border: 3px solid #c33; border-radius: 6px; cursor: pointer }}
 label {{ overflow: hidden }}
 label:has(:checked) {{ border-color: #2a2 }}
-label:has(:not(:checked)) .turning {{ opacity: 0.35 }}
+label:not(:has(:checked)) .turning {{ opacity: 0.35 }}
+input:checked + span::after {{ content: 'kept'; color: #171 }}
+input:not(:checked) + span::after {{ content: 'dropped'; color: #a22 }}
 .turning {{ width: {SIZE_PX}px; height: {SIZE_PX}px; animation: turn 3s steps({TURNS}) infinite }}
 @keyframes turn {{ to {{ background-position: -{TURNS * SIZE_PX}px 0 }} }}
 .about {{ padding: 4px 6px; font-size: 12px; line-height: 1.35 }}
-p {{ flex-basis: 100% }} button {{ font-size: 16px; padding: 6px 16px }}
+p {{ flex-basis: 100%; margin: 0 }} button {{ font-size: 16px; padding: 6px 16px }}
+.last {{ position: sticky; bottom: 0; padding: 12px 0; background: #f4f4f2 }}
 """
+
+
+def document(body):
+    return (f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>voxid</title>'
+            f'<style>{STYLE}</style></head><body>{body}</body></html>')
 
 
 def page(word, passed, secret):
@@ -37,14 +46,12 @@ def page(word, passed, secret):
     for number, (strange, one) in enumerate(passed, 1):
         about = [f"{number}. {one.candidate.title}", one.candidate.licence or "licence not stated",
                  one.candidate.author, f"strangeness {strange:.2f}"]
-        cards.append(f'<label><input type="checkbox" name="keep" value="{number}" checked>'
+        cards.append(f'<label><input type="checkbox" name="keep" value="{number}" checked><span></span>'
                      f'<div class="turning" style="background-image: url(/{secret}/{number}.png)"></div>'
                      f'<div class="about">{"<br>".join(html.escape(line) for line in about if line)}</div></label>')
-    return (f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>voxid: {html.escape(word)}</title>'
-            f'<style>{STYLE}</style></head>'
-            f'<body><h1>{html.escape(word)}: {len(passed)} candidates</h1><form method="post" action="/{secret}/">'
-            f'<p>Green is kept, red is dropped; a click changes it. The strangest are last.</p>{"".join(cards)}'
-            f'<p><button>Keep the green ones</button></p></form></body></html>')
+    return document(f'<h1>{html.escape(word)}: {len(passed)} candidates</h1><form method="post" action="/{secret}/">'
+                    f'<p>Green is kept, red is dropped; a click changes it. The strangest are last.</p>{"".join(cards)}'
+                    f'<p class="last"><button>Keep the green ones</button></p></form>')
 
 
 def strip(program, mesh):
@@ -103,7 +110,17 @@ class Handler(http.server.BaseHTTPRequestHandler):
         numbers = {int(text) for text in fields.get("keep", []) if text.isascii() and text.isdigit() and len(text) < 7}
         self.server.review.chosen = numbers & set(range(1, len(self.server.review.passed) + 1))
         kept = len(self.server.review.chosen)
-        self.send(f"<!DOCTYPE html><title>voxid</title><h1>{kept} kept</h1><p>You may close this page.</p>".encode())
+        try:
+            self.send(document(f"<h1>{kept} kept</h1><p>You may close this page.</p>").encode())
+        finally:
+            self.server.shutdown()
+
+
+class Server(http.server.ThreadingHTTPServer):
+    """A thread a connection: browsers open some that they do not use yet."""
+
+    def handle_error(self, *_):
+        """A page that was closed before its pictures came wants no answer."""
 
 
 class Review:
@@ -111,21 +128,21 @@ class Review:
 
     def __init__(self, program, word, passed):
         self._program, self._word, self.passed = program, word, passed
-        self._pictures, self.chosen = {}, None
+        self._pictures, self._drawing, self.chosen = {}, threading.Lock(), None
 
     def page(self, secret):
         return page(self._word, self.passed, secret)
 
     def picture(self, number):
-        if number not in self._pictures:
-            self._pictures[number] = strip(self._program, self.passed[number - 1][1].mesh)
-        return self._pictures[number]
+        with self._drawing:
+            if number not in self._pictures:
+                self._pictures[number] = strip(self._program, self.passed[number - 1][1].mesh)
+            return self._pictures[number]
 
     def ask(self, announce):
-        """The numbers that were kept. `announce` is told the address; one request at a time, until one decides."""
-        with http.server.HTTPServer(("127.0.0.1", 0), Handler) as server:
+        """The numbers that were kept. `announce` is told the address; it ends with the request that decides."""
+        with Server(("127.0.0.1", 0), Handler) as server:
             server.secret, server.review = secrets.token_urlsafe(16), self
             announce(f"http://127.0.0.1:{server.server_address[1]}/{server.secret}/")
-            while self.chosen is None:
-                server.handle_request()
+            server.serve_forever(poll_interval=0.1)
         return self.chosen
