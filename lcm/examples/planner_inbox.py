@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
 """What a grasp planner does with VOXID_OBJECTS, with nothing but Python's standard library: a line an object, the
-nearest graspable one of a wanted label, and where a gripper is to go first. Ends after --seconds or --count messages; exits 1 if none arrived.
+nearest graspable one of a wanted label, and where a gripper is to go first. Ends after --seconds or --count messages;
+exits 1 if none arrived.
 
 The module of the message types is what lcm-gen makes of voxid.lcm; --types names the folder that holds it. (ROS's own
 Python package is called voxid too: a program that wants both starts two processes, as robots do anyway.)
@@ -74,8 +75,8 @@ def distance_m(o):
 
 
 def approach_from_above(o, above_m=0.1):
-    """Position 10 cm above the middle of the box's top, quaternion w, x, y, z. The box's z is the table's normal; turned by
-    half about its x it points down, and y, along the shorter side, is what the fingers close in."""
+    """Position 10 cm above the middle of the box's top, quaternion w, x, y, z. The box's z is the table's normal;
+    turned by half about its x it points down, and y, along the shorter side, is what the fingers close in."""
     w, x, y, z = o.quat_wxyz
     up = (2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y))
     height_m = o.extents_m[2] / 2 + above_m

@@ -42,7 +42,8 @@ def environment(folder=None, **options):
         return {**env, "LD_LIBRARY_PATH": f"{BUILD}/openni2:{env.get('LD_LIBRARY_PATH', '')}"}
     arguments = [f"{k}={v}" for k, v in options.items()]
     script = 'set -e; text=$(scripts/replay_env.sh "$@"); eval "$text"; env -0'
-    out = subprocess.run(["bash", "-c", script, "-", str(folder), *arguments], env=env, check=True, capture_output=True).stdout
+    out = subprocess.run(["bash", "-c", script, "-", str(folder), *arguments], env=env, check=True,
+                         capture_output=True).stdout
     return dict(line.split("=", 1) for line in out.decode().split("\0") if line)
 
 
@@ -125,7 +126,8 @@ def test_a_device_that_vanishes_leaves_what_came(folder, tmp_path):
     control = tmp_path / "control"
     control.touch()
     out = tmp_path / "x.oni"
-    process = subprocess.Popen([VOXID, "capture", "record", "--out", str(out)], env=environment(folder, control=control),
+    process = subprocess.Popen([VOXID, "capture", "record", "--out", str(out)],
+                               env=environment(folder, control=control),
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     await_frames(out)
     control.write_text("unplug\n")

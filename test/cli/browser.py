@@ -14,8 +14,9 @@ import cv2
 import numpy as np
 
 PROGRAM = "chromium-headless-shell"
-OPTIONS = ("--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disable-background-networking", "--disable-component-update",
-           "--no-first-run", "--no-proxy-server", "--window-size=800,600", "--remote-debugging-pipe")
+OPTIONS = ("--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disable-background-networking",
+           "--disable-component-update", "--no-first-run", "--no-proxy-server", "--window-size=800,600",
+           "--remote-debugging-pipe")
 PATIENCE_S = 30
 
 
@@ -25,8 +26,9 @@ class Browser:
         assert shutil.which(PROGRAM), f"{PROGRAM} is not installed; scripts/install_deps test installs it"
         # It reads requests from descriptor 3 and answers to 4, each ended by a zero byte.
         command = ["sh", "-c", 'exec "$@" 3<&0 4>&1 <&- >&2', "sh", PROGRAM, *OPTIONS, f"--user-data-dir={folder}"]
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                                         start_new_session=True, env={**os.environ, "HOME": str(folder)})
+        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                         stderr=subprocess.DEVNULL, start_new_session=True,
+                                         env={**os.environ, "HOME": str(folder)})
         self._received, self._asked, self._page = b"", 0, {}
 
     def __enter__(self):
@@ -77,7 +79,8 @@ class Browser:
 
     def place(self, selector):
         """x, y, width, height in pixels of the window."""
-        return self.value(f"(r => [r.x, r.y, r.width, r.height])(document.querySelector({json.dumps(selector)}).getBoundingClientRect())")
+        return self.value("(r => [r.x, r.y, r.width, r.height])"
+                          f"(document.querySelector({json.dumps(selector)}).getBoundingClientRect())")
 
     def picture(self, selector):
         """What is seen of an element: rows x columns x BGR."""

@@ -15,7 +15,8 @@ import solids
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # The compiled part of the Python module; found also by tests that put the sources first.
 sys.path.append(str(ROOT / os.environ.get("VOXID_BUILD", "build") / "python"))
-QUERIES = [("tin", "tin_a", 17), ("tin", "tin_a", 40), ("cone", "cone_a", 3), ("rod", "rod_a", 5), ("board", "board_a", 64)]
+QUERIES = [("tin", "tin_a", 17), ("tin", "tin_a", 40), ("cone", "cone_a", 3), ("rod", "rod_a", 5),
+           ("board", "board_a", 64)]
 
 
 class Answer:

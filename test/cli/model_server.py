@@ -22,7 +22,8 @@ def scene_of(mesh):
     low, high = ([side(v[i] for v in vertices) for i in range(3)] for side in (min, max))
     return {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
             "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
-            "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(vertices), "type": "VEC3", "min": low, "max": high},
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(vertices), "type": "VEC3", "min": low,
+                           "max": high},
                           {"bufferView": 1, "componentType": 5125, "count": 3 * len(triangles), "type": "SCALAR"}],
             "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": len(points)},
                             {"buffer": 0, "byteOffset": len(points), "byteLength": len(numbers)}],
@@ -103,7 +104,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
 
     @staticmethod
     def about(model):
-        return {"uid": model.uid, "name": model.title, "isDownloadable": True, "viewerUrl": f"https://example.org/{model.uid}",
+        return {"uid": model.uid, "name": model.title, "isDownloadable": True,
+                "viewerUrl": f"https://example.org/{model.uid}",
                 "user": {"username": "ann", "displayName": "Ann"}, "license": {"label": "CC Attribution", "slug": "by"},
                 "archives": {model.format: {"size": len(model.data)}}}
 

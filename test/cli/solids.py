@@ -22,7 +22,8 @@ def turned(profile, sides=32):
 
 
 def ball(rings=16):
-    return turned([(0.5 * math.sin(math.pi * i / rings), -0.5 * math.cos(math.pi * i / rings)) for i in range(rings + 1)])
+    return turned([(0.5 * math.sin(math.pi * i / rings), -0.5 * math.cos(math.pi * i / rings))
+                   for i in range(rings + 1)])
 
 
 def write_ply(path, mesh):

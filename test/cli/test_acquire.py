@@ -34,7 +34,8 @@ def meshes(tmp_path):
     solids.write_ply(folder / "mug 7.ply", solids.ball())
     solids.write_ply(folder / "mug rack.ply", solids.box(1, 1, 1))
     (folder / "mug 8.obj").write_text("")
-    (folder / "mug 9.ply").write_text("ply\nformat binary_little_endian 1.0\nelement vertex 250000000\nproperty float x\n"
+    (folder / "mug 9.ply").write_text("ply\nformat binary_little_endian 1.0\nelement vertex 250000000\n"
+                                      "property float x\n"
                                       "property float y\nproperty float z\nend_header\n")
     return folder
 
@@ -46,7 +47,8 @@ def test_table_agrees_with_wordnet(wordnet):
 
 
 def test_hypernyms_follow_from_the_table_and_wordnet(wordnet):
-    done = subprocess.run(["/usr/bin/python3", ROOT / "scripts/generate_hypernyms", "--check"], capture_output=True, text=True)
+    done = subprocess.run(["/usr/bin/python3", ROOT / "scripts/generate_hypernyms", "--check"], capture_output=True,
+                          text=True)
     assert (done.returncode, done.stderr) == (0, "")
 
 
@@ -69,7 +71,8 @@ def test_without_a_terminal_the_senses_are_listed_and_it_ends(voxid):
     answer = voxid("acquire", "mug", "--json")
     answer.refuses(2, "--sense", "4 (mug.n.04)")
     senses = answer.lines
-    assert {s["sense"]: s["name"] for s in senses} == {1: "mug.n.01", 2: "chump.n.01", 3: "countenance.n.03", 4: "mug.n.04"}
+    names = {s["sense"]: s["name"] for s in senses}
+    assert names == {1: "mug.n.01", 2: "chump.n.01", 3: "countenance.n.03", 4: "mug.n.04"}
     assert senses[0]["sense"] in (3, 4) and senses[-1]["sense"] in (1, 2)
 
 
@@ -154,4 +157,5 @@ def test_licences_of_debians_catalogues_are_listed(voxid, tmp_path):
     assert answer.code == 0, answer.err
     (line,) = voxid("library", "licences", tmp_path / "lib", "--json").lines
     assert line["licence"] == "CC-BY-3.0-US"
-    assert [(m["model"], m["author"]) for m in line["models"]] == [("mug/sh3d_katorlegaz_coffee_mug.obj", "Kator Legaz")]
+    authors = [(m["model"], m["author"]) for m in line["models"]]
+    assert authors == [("mug/sh3d_katorlegaz_coffee_mug.obj", "Kator Legaz")]

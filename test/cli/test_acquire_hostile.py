@@ -24,14 +24,17 @@ pytestmark = pytest.mark.skipif(not (meaning.DATABASE / "data.noun").exists(), r
 TIN = solids.turned([(0.0, 0.0), (0.4, 0.0), (0.4, 1.0), (0.0, 1.0)])
 CONE = solids.turned([(0.0, 0.0), (0.5, 0.0), (0.0, 1.2)])
 # Debian's Assimp follows levels by recursion.
-DEEP_AC = b"AC3Db\nMATERIAL \"\" rgb 1 1 1 amb 0 0 0 emis 0 0 0 spec 0 0 0 shi 0 trans 0\n" + b"OBJECT group\nkids 1\n" * 300000
+DEEP_AC = b"AC3Db\nMATERIAL \"\" rgb 1 1 1 amb 0 0 0 emis 0 0 0 spec 0 0 0 shi 0 trans 0\n"
+DEEP_AC += b"OBJECT group\nkids 1\n" * 300000
 DEEP_X3D = b"<X3D><Scene>" + b"<Group>" * 300000 + b"</Group>" * 300000 + b"</Scene></X3D>"
-NO_BODY = (b"ply\nformat binary_little_endian 1.0\nelement vertex 250000000\nproperty float x\nproperty float y\nproperty float z\n"
+NO_BODY = (b"ply\nformat binary_little_endian 1.0\nelement vertex 250000000\n"
+           b"property float x\nproperty float y\nproperty float z\n"
            b"element face 0\nproperty list uchar int vertex_indices\nend_header\n")
 
 
 def arguments(folder, library, *more):
-    return ["acquire", "mug", "--sense", "4", "--depth", "0", "--source", str(folder), "--out", str(library), *map(str, more)]
+    return ["acquire", "mug", "--sense", "4", "--depth", "0", "--source", str(folder), "--out", str(library),
+            *map(str, more)]
 
 
 @pytest.fixture
@@ -59,7 +62,8 @@ def ply_text(tmp_path, mesh):
 
 
 def test_meshes_that_crash_their_reader_cost_one_line_each(voxid, folder, tmp_path):
-    for name, data in {"mug 3.ac": DEEP_AC, "mug 4.x3d": DEEP_X3D, "mug 5.obj": b"", "mug 6.ply": NO_BODY, "mug 7.glb": b"glTF"}.items():
+    for name, data in {"mug 3.ac": DEEP_AC, "mug 4.x3d": DEEP_X3D, "mug 5.obj": b"", "mug 6.ply": NO_BODY,
+                       "mug 7.glb": b"glTF"}.items():
         (folder / name).write_bytes(data)
     answer = voxid(*arguments(folder, tmp_path / "lib", "--yes", "--json"))
     assert answer.code == 0 and len(answer.err.splitlines()) == 1, answer.err
@@ -138,7 +142,8 @@ def objaverse(root, packed):
     solids.write_ply(root.parent / "outside.ply", CONE)
     texts = {"object-paths.json": {"u1": "glbs/000-000/u1.ply", "u2": "../outside.ply", "u3": "glbs/absent.glb"},
              "metadata/000-000.json": {
-                 "u1": {"name": "Coffee mug", "license": "by", "user": {"displayName": "Bo"}, "viewerUrl": "https://example.org/u1"},
+                 "u1": {"name": "Coffee mug", "license": "by", "user": {"displayName": "Bo"},
+                        "viewerUrl": "https://example.org/u1"},
                  "u2": {"name": "Mug"}, "u3": {"name": "Mug"}, "u4": 7, "u5": {"name": None}, "u6": {"name": "Car"}}}
     (root / "metadata").mkdir()
     for name, value in texts.items():
@@ -150,7 +155,8 @@ def objaverse(root, packed):
 def test_an_objaverse_mirror_gives_licence_and_author_and_nothing_outside_itself(voxid, tmp_path, packed):
     objaverse(tmp_path / "mirror", packed)
     answer = voxid(*arguments(tmp_path / "mirror", tmp_path / "lib", "--yes", "--json"))
-    assert [(line["model"], line["licence"], line["author"]) for line in answer.lines] == [("mug/objaverse_u1.ply", "by", "Bo")], answer.err
+    found = [(line["model"], line["licence"], line["author"]) for line in answer.lines]
+    assert found == [("mug/objaverse_u1.ply", "by", "Bo")], answer.err
     if packed:
         file = tmp_path / "mirror/metadata/000-000.json.gz"
         file.write_bytes(file.read_bytes()[:-20])
@@ -163,9 +169,11 @@ def test_shapenet_takes_what_its_taxonomy_has_below_the_synset(voxid, tmp_path):
     for offset, mesh in (("03797390", TIN), ("04999999", CONE), ("02876657", solids.ball())):
         solids.write_ply(mirror / offset / "m" / "models" / "model_normalized.ply", mesh)
     (mirror / "taxonomy.json").write_text(json.dumps([{"synsetId": "03797390", "name": "mug", "children": ["04999999"]},
-                                                      {"synsetId": "04999999", "name": "tankard", "children": ["03797390"]}]))
+                                                      {"synsetId": "04999999", "name": "tankard",
+                                                       "children": ["03797390"]}]))
     answer = voxid(*arguments(mirror, tmp_path / "lib", "--yes", "--json"))
-    assert {line["model"] for line in answer.lines} == {"mug/shapenet_03797390_m.ply", "mug/shapenet_04999999_m.ply"}, answer.err
+    found = {line["model"] for line in answer.lines}
+    assert found == {"mug/shapenet_03797390_m.ply", "mug/shapenet_04999999_m.ply"}, answer.err
     for text in ("[1]", "{}"):
         (mirror / "taxonomy.json").write_text(text)
         answer = voxid(*arguments(mirror, tmp_path / "lib2", "--yes"))
@@ -178,7 +186,8 @@ def test_keep_takes_the_numbers_and_settles_the_rest(voxid, folder, tmp_path):
     voxid(*command_line, "--keep", "1,9").refuses(2, "'9'")
     answer = voxid(*command_line, "--keep", "1,3")
     assert answer.code == 0, answer.err
-    verdicts = {note["verdict"] for note in json.loads((tmp_path / "lib/library.json").read_text()).values() if "verdict" in note}
+    notes = json.loads((tmp_path / "lib/library.json").read_text())
+    verdicts = {note["verdict"] for note in notes.values() if "verdict" in note}
     assert verdicts == {"kept", "dropped: by hand"}
     assert len(list((tmp_path / "lib/mug").glob("*.ply"))) == 2
     assert voxid(*command_line, "--yes").lines == []  # all three are settled
@@ -193,7 +202,8 @@ def test_what_is_settled_is_not_read_again(folder, tmp_path, capsys):
     run = lambda: command.run(str(program), arguments(folder, tmp_path / "lib", "--yes")[1:])
     assert run() == 0
     log.write_text("")
-    before = {path: path.stat().st_mtime_ns for path in (tmp_path / "lib").rglob("*") if path.name != ".lock" and path.is_file()}
+    before = {path: path.stat().st_mtime_ns
+              for path in (tmp_path / "lib").rglob("*") if path.name != ".lock" and path.is_file()}
     assert run() == 0 and log.read_text() == ""
     assert {path: path.stat().st_mtime_ns for path in before} == before
     solids.write_ply(folder / "mug 3.ply", CONE)
@@ -204,7 +214,8 @@ def test_what_is_settled_is_not_read_again(folder, tmp_path, capsys):
 
 def test_a_full_disk_is_one_line_and_settles_nothing(folder, tmp_path):
     limit = ["bash", "-c", 'ulimit -f 1 && exec "$@"', "limited", str(PROGRAM)]
-    run = subprocess.run(limit + arguments(folder, tmp_path / "lib", "--yes"), capture_output=True, text=True, timeout=60)
+    run = subprocess.run(limit + arguments(folder, tmp_path / "lib", "--yes"), capture_output=True, text=True,
+                         timeout=60)
     (line,) = run.stderr.splitlines()
     assert run.returncode == 1 and line.startswith(f"voxid: {tmp_path / 'lib'}") and "too large" in line
     assert not (tmp_path / "lib" / "library.json").exists()
@@ -229,11 +240,13 @@ def test_interrupted_at_any_moment_it_says_so_and_the_next_run_completes_it(voxi
 def test_killed_at_any_moment_the_next_run_completes_it(voxid, folder, tmp_path):
     library = tmp_path / "lib"
     for wait_s in (0.3, 0.8, 1.3):
-        running = subprocess.Popen([str(PROGRAM), *arguments(folder, library, "--yes")], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        running = subprocess.Popen([str(PROGRAM), *arguments(folder, library, "--yes")], stdout=subprocess.DEVNULL,
+                                   stderr=subprocess.DEVNULL)
         time.sleep(wait_s)
         running.kill()
         running.wait()
     answer = voxid(*arguments(folder, library, "--yes"))
     assert answer.code == 0, answer.err
-    assert set(json.loads((library / "library.json").read_text())) == {"mug", "mug/folder_mug_1.ply", "mug/folder_mug_2.ply"}
+    notes = json.loads((library / "library.json").read_text())
+    assert set(notes) == {"mug", "mug/folder_mug_1.ply", "mug/folder_mug_2.ply"}
     assert voxid("build", "--models", library, "--out", tmp_path / "a.vxi", "--views-every", 16).code == 0

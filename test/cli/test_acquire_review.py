@@ -41,8 +41,10 @@ def review(tmp_path):
     for name, mesh in {"mug 1": solids.turned([(0.0, 0.0), (0.4, 0.0), (0.4, 1.0), (0.0, 1.0)]), "mug 2": solids.ball(),
                        "<b>x&\" mug": solids.box(1.0, 0.8, 0.3)}.items():
         solids.write_ply(tmp_path / "in" / f"{name}.ply", mesh)
-    command = [PROGRAM, "acquire", "mug", "--sense", "4", "--depth", "0", "--source", tmp_path / "in", "--out", tmp_path / "lib", "--review"]
-    process = subprocess.Popen([str(word) for word in command], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    command = [PROGRAM, "acquire", "mug", "--sense", "4", "--depth", "0", "--source", tmp_path / "in",
+               "--out", tmp_path / "lib", "--review"]
+    process = subprocess.Popen([str(word) for word in command], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                               stderr=subprocess.PIPE, text=True)
     line = process.stderr.readline()
     assert "wait to be kept or dropped at http://127.0.0.1:" in line, line
     yield process, line.split()[-1]
@@ -55,7 +57,8 @@ def test_a_click_keeps_and_drops(review, tmp_path):
     text = get(address).decode()
     assert text.count('type="checkbox"') == 3 and BOX in text and "<b>x" not in text
     strip = cv2.imdecode(np.frombuffer(get(f"{address}1.png"), np.uint8), cv2.IMREAD_UNCHANGED)
-    assert strip.shape == (160, 12 * 160) and all((strip[:, 160 * i:160 * (i + 1)] < 250).mean() > 0.05 for i in range(12))
+    assert strip.shape == (160, 12 * 160)
+    assert all((strip[:, 160 * i:160 * (i + 1)] < 250).mean() > 0.05 for i in range(12))
     base = address.rsplit("/", 2)[0]
     for wrong in (f"{base}/", f"{base}/guess/", f"{address}9.png", f"{address}..%2f..%2fetc/passwd", f"{address}0.png"):
         with pytest.raises(urllib.error.HTTPError):
@@ -66,7 +69,8 @@ def test_a_click_keeps_and_drops(review, tmp_path):
     assert b"2 kept" in get(address, b"keep=1&keep=3&keep=77&keep=x")
     assert process.wait(timeout=30) == 0
     notes = json.loads((tmp_path / "lib/library.json").read_text())
-    assert sorted(note["verdict"] for note in notes.values() if "verdict" in note) == ["dropped: by hand", "kept", "kept"]
+    verdicts = sorted(note["verdict"] for note in notes.values() if "verdict" in note)
+    assert verdicts == ["dropped: by hand", "kept", "kept"]
 
 
 def test_connections_that_say_nothing_or_break_off_hold_nothing_up(review):
@@ -95,7 +99,8 @@ def border(page, card):
 
 def test_in_a_browser_they_turn_and_clicks_keep_and_drop(review, tmp_path):
     process, address = review
-    number = {title: value for value, title in re.findall(r'value="(\d)".*?"about">\d\. (.*?)<br>', get(address).decode())}
+    labels = re.findall(r'value="(\d)".*?"about">\d\. (.*?)<br>', get(address).decode())
+    number = {title: value for value, title in labels}
     cylinder, ball, box = (f"label:has([value='{number[title]}'])" for title in ("mug 1", "mug 2", BOX))
     strip = cv2.imdecode(np.frombuffer(get(f"{address}{number[BOX]}.png"), np.uint8), cv2.IMREAD_COLOR)
     views, seen = np.hsplit(strip, 12), set()
@@ -111,5 +116,6 @@ def test_in_a_browser_they_turn_and_clicks_keep_and_drop(review, tmp_path):
         page.wait_until(lambda: page.value("document.querySelector('h1')?.textContent") == "2 kept")
     assert process.wait(timeout=30) == 0
     notes = json.loads((tmp_path / "lib/library.json").read_text())
-    models = {note["title"]: (note["verdict"], (tmp_path / "lib" / name).exists()) for name, note in notes.items() if "verdict" in note}
+    models = {note["title"]: (note["verdict"], (tmp_path / "lib" / name).exists())
+              for name, note in notes.items() if "verdict" in note}
     assert models == {"mug 1": ("kept", True), "mug 2": ("dropped: by hand", False), "<b>x&\" mug": ("kept", True)}

@@ -28,7 +28,8 @@ def acquire(voxid, tmp_path, monkeypatch):
 
     def run(server, *options):
         monkeypatch.setenv("VOXID_SKETCHFAB_URL", server.base)
-        answer = voxid("acquire", "mug", "--sense", 4, "--depth", 0, "--source", "sketchfab", "--out", tmp_path / "lib", "--yes", "--json",
+        answer = voxid("acquire", "mug", "--sense", 4, "--depth", 0, "--source", "sketchfab", "--out", tmp_path / "lib",
+                       "--yes", "--json",
                        "--timeout", 0.5, *options)
         assert "Traceback" not in answer.err
         return answer, {line["model"]: line for line in answer.lines}
@@ -119,7 +120,8 @@ def test_each_failure_costs_one_line_and_that_model(acquire, tmp_path):
         assert reason in line["dropped"] and line["settled"] == settled, line
         assert (f"mug/sketchfab_{name}.{format_}" in notes) == settled
     assert sorted(path.name for path in tmp_path.iterdir()) == ["lib"]
-    assert sorted(path.name for path in (tmp_path / "lib/mug").glob("[a-z]*")) == ["contact_sheet.png", "sketchfab_z.glb"]
+    names = sorted(path.name for path in (tmp_path / "lib/mug").glob("[a-z]*"))
+    assert names == ["contact_sheet.png", "sketchfab_z.glb"]
 
 
 def test_a_source_that_always_fails_is_left_alone(acquire):
@@ -129,7 +131,8 @@ def test_a_source_that_always_fails_is_left_alone(acquire):
     assert "voxid: sketchfab: given up after 3 failures in a row" in answer.err
 
 
-@pytest.mark.parametrize("text", [b"{", b"[1]", b"{}", b'{"results": 1}', b"[" * 100000, b'{"results": [{"uid": "../x", "name": "mug"}, 7, {"name": 1}]}'])
+@pytest.mark.parametrize("text", [b"{", b"[1]", b"{}", b'{"results": 1}', b"[" * 100000,
+                                  b'{"results": [{"uid": "../x", "name": "mug"}, 7, {"name": 1}]}'])
 def test_a_search_that_answers_nonsense_is_one_sentence(acquire, text):
     with Server([], text=text) as server:
         answer, lines = acquire(server)
@@ -149,7 +152,8 @@ def test_without_or_with_a_wrong_token_it_says_so(acquire, voxid, monkeypatch, t
         answer, _ = acquire(server)
         assert answer.code == 1 and "401, the token is not accepted" in answer.err
     monkeypatch.delenv("VOXID_SKETCHFAB_TOKEN")
-    voxid("acquire", "mug", "--sense", 4, "--source", "sketchfab", "--out", tmp_path / "l").refuses(2, "VOXID_SKETCHFAB_TOKEN")
+    answer = voxid("acquire", "mug", "--sense", 4, "--source", "sketchfab", "--out", tmp_path / "l")
+    answer.refuses(2, "VOXID_SKETCHFAB_TOKEN")
 
 
 def test_nobody_there_is_one_sentence(acquire):

@@ -47,8 +47,8 @@ def test_arguments(voxid, image, index):
     voxid("eval", "--index", index, "--queries", ".", "--jobs", 0).refuses(2, "--jobs")
 
 
-@pytest.mark.parametrize("command", [[], ["bench"], ["build"], ["capture"], ["classify"], ["describe"], ["eval"], ["info"], ["render"], ["segment"],
-                                     ["verify"]])
+@pytest.mark.parametrize("command", [[], ["bench"], ["build"], ["capture"], ["classify"], ["describe"], ["eval"],
+                                     ["info"], ["render"], ["segment"], ["verify"]])
 def test_help_is_everywhere(voxid, command):
     answer = voxid(*command, "--help")
     assert answer.code == 0 and "Usage:" in answer.out and answer.err == ""
@@ -164,8 +164,8 @@ def test_camera_as_text(voxid, image):
 def test_camera_as_file(voxid, image, tmp_path):
     beside = image.parent / "camera_info.yaml"
     good = beside.read_text()
-    for text in ["", "[1, 2", "image_width: 640\n", good.replace("camera_matrix", "matrix"), good.replace("239.5, 0.0, 0.0, 1.0", "239.5"),
-                 good.replace("525.0", "wide"), "- 1\n- 2\n"]:
+    for text in ["", "[1, 2", "image_width: 640\n", good.replace("camera_matrix", "matrix"),
+                 good.replace("239.5, 0.0, 0.0, 1.0", "239.5"), good.replace("525.0", "wide"), "- 1\n- 2\n"]:
         beside.write_text(text)
         voxid("describe", image).refuses(1, "camera_info.yaml", "camera_matrix")
     beside.write_text(good.replace("image_width: 640", "image_width: 320"))
@@ -192,6 +192,7 @@ def test_the_assumed_camera_is_said_once(voxid, index, tmp_path, slab):
 def test_a_full_disk_under_standard_output_is_one_line(index, command):
     words = [str(PROGRAM), *(str(index) if word == "INDEX" else word for word in command)]
     with open("/dev/full", "w") as full:
-        run = subprocess.run(words, stdout=full, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, timeout=60)
+        run = subprocess.run(words, stdout=full, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                             timeout=60)
     assert run.returncode == 1 and len(run.stderr.splitlines()) == 1, run.stderr
     assert run.stderr.startswith("voxid: ") and "No space left on device" in run.stderr

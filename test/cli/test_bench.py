@@ -73,7 +73,8 @@ def test_recall_grows_with_what_is_searched(result):
     assert recalls == sorted(recalls)
 
 
-@pytest.mark.parametrize("bench_of, peer", [("result", "hnswlib"), ("paper_result", "hnswlib"), ("paper_result", "flann")])
+@pytest.mark.parametrize("bench_of, peer",
+                         [("result", "hnswlib"), ("paper_result", "hnswlib"), ("paper_result", "flann")])
 def test_other_libraries_search_by_the_same_distance(request, bench_of, peer):
     """FLANN has no distance between signed bytes."""
     searches = rows(request.getfixturevalue(bench_of), "query")
@@ -98,7 +99,8 @@ def scenes(voxid, models, tmp_path_factory):
     """A table with a cube and a tin, labelled."""
     folder, made = tmp_path_factory.mktemp("scenes"), tmp_path_factory.mktemp("made")
     meshes = [models / "cube" / "cube_a.ply", models / "tin" / "tin_a.ply"]
-    answer = voxid("render", "--table", "--models", *meshes, "--sizes", 12, "--out", made, "--labels", made / "labels.png")
+    answer = voxid("render", "--table", "--models", *meshes, "--sizes", 12, "--out", made,
+                   "--labels", made / "labels.png")
     assert answer.code == 0, answer.err
     depth = cv2.imread(str(made / "frame_0000.png"), cv2.IMREAD_UNCHANGED)
     seen = cv2.imread(str(made / "labels.png"), cv2.IMREAD_UNCHANGED).astype(np.uint16)
@@ -216,7 +218,7 @@ def test_an_index_as_large_as_wanted_is_written_measured_and_sound(voxid, index,
     as_it_is = bench(voxid, out, queries, "--scale", 1).json["scale"]
     assert as_it_is["views"] == scale["views"] and "write_s" not in as_it_is
     for row, same in zip(scale["lists"], as_it_is["lists"]):
-        assert (row["recall1"], row["recall10"], row["compared"]) == (same["recall1"], same["recall10"], same["compared"])
+        assert all(row[field] == same[field] for field in ("recall1", "recall10", "compared"))
 
 
 def test_the_large_index_of_a_temporary_folder_is_removed(voxid, index, queries, tmp_path, monkeypatch):

@@ -82,7 +82,8 @@ def test_a_killed_build_goes_on_and_gives_the_same_bytes(voxid, models, out, exp
 
 def limited(kib, models, out):
     """The command line of a build that may write no file larger than `kib`, as on a full disk."""
-    command = ["bash", "-c", 'ulimit -f "$0" && exec "$@"', kib, PROGRAM, "build", "--models", models, "--out", out, "--views-every", 4]
+    command = ["bash", "-c", 'ulimit -f "$0" && exec "$@"', kib, PROGRAM, "build", "--models", models, "--out", out,
+               "--views-every", 4]
     return [str(part) for part in command]
 
 
@@ -133,8 +134,10 @@ def test_bad_meshes_are_listed_and_the_rest_is_built(voxid, out, tmp_path):
     solids.write_ply(models / "cube" / "cube_a.ply", solids.box(1, 1, 1))
     (models / "cube" / "empty.obj").write_text("")
     (models / "cube" / "cut.ply").write_text((models / "cube" / "cube_a.ply").read_text()[:-30])
-    (models / "cube" / "flat.ply").write_text("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
-                                              "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n3 0 0 0\n")
+    (models / "cube" / "flat.ply").write_text("ply\nformat ascii 1.0\nelement vertex 1\n"
+                                              "property float x\nproperty float y\nproperty float z\n"
+                                              "element face 1\nproperty list uchar int vertex_indices\n"
+                                              "end_header\n0 0 0\n3 0 0 0\n")
     (models / "cube" / "cube_a.stl").write_text("solid nothing\nendsolid nothing\n")
     (models / "cube" / "picture.png").write_bytes(b"not a mesh, not looked at")
     (models / "void").mkdir()
@@ -200,13 +203,15 @@ def test_licence_origin_and_synset_arrive_in_the_index(voxid, out, tmp_path):
     solids.write_ply(models / "mug" / "a.ply", solids.turned([(0.0, 0.0), (0.4, 0.0), (0.4, 1.0)]))
     solids.write_ply(models / "cube" / "b.ply", solids.box(1, 1, 1))
     (models / "library.json").write_text(json.dumps({
-        "mug/a.ply": {"licence": "CC-BY-4.0", "author": "Ann", "source": "a shelf", "url": "https://example.org/", "synset": "n03797390"}}))
+        "mug/a.ply": {"licence": "CC-BY-4.0", "author": "Ann", "source": "a shelf", "url": "https://example.org/",
+                      "synset": "n03797390"}}))
     assert build(voxid, models, out).code == 0
     info = voxid("info", out, "--json", "--categories").json
     assert {"licence": "CC-BY-4.0", "models": 1} in info["licences"]
     text = out.read_bytes()
     assert b"Ann; a shelf; https://example.org/\0" in text
-    synsets = {entry["name"]: entry["synset"] for entry in info["categories"]} if isinstance(info["categories"], list) else None
+    categories = info["categories"]
+    synsets = {entry["name"]: entry["synset"] for entry in categories} if isinstance(categories, list) else None
     if synsets is not None:
         assert synsets == {"cube": 0, "mug": 3797390}
     (models / "library.json").write_text("[1, 2")

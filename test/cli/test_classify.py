@@ -6,7 +6,8 @@ import pytest
 TAUGHT = ["ball", "board", "cone", "cube", "rod", "tin"]
 
 
-@pytest.mark.parametrize("category, model, direction", [("tin", "tin_a", 17), ("cone", "cone_a", 3), ("board", "board_a", 64)])
+@pytest.mark.parametrize("category, model, direction",
+                         [("tin", "tin_a", 17), ("cone", "cone_a", 3), ("board", "board_a", 64)])
 def test_a_taught_view_is_found_again(voxid, index, views, category, model, direction):
     image = views(category, model, direction)
     answer = voxid("classify", image, "--index", index, "--1nn", "--json").json
@@ -158,6 +159,7 @@ def test_a_scene_without_objects_says_why(voxid, index, depth_file, slab, kind, 
 
 def test_settings_reach_the_segmentation(voxid, index, scene):
     voxid("classify", scene, "--scene", "--index", index, "--set", "max_depth_mm=310").refuses(3, "NO_")
-    voxid("classify", scene, "--scene", "--index", index, "--set", "max_depth_mm=1").refuses(2, "max_depth_mm", "300 to 10000")
+    answer = voxid("classify", scene, "--scene", "--index", index, "--set", "max_depth_mm=1")
+    answer.refuses(2, "max_depth_mm", "300 to 10000")
     voxid("classify", scene, "--scene", "--index", index, "--set", "no_such=1").refuses(2, "no_such", "min_depth_mm")
     voxid("classify", scene, "--index", index, "--set", "max_depth_mm=900").refuses(2, "--scene")

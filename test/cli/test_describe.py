@@ -15,8 +15,10 @@ def write_xyz(path, points):
 
 def write_pcd(path, points, binary=False):
     points = np.asarray(points, np.float32).reshape(-1, 3)
-    header = ("# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n"
-              f"WIDTH {len(points)}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {len(points)}\nDATA {'binary' if binary else 'ascii'}\n")
+    header = ("# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z\n"
+              "SIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n"
+              f"WIDTH {len(points)}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {len(points)}\n"
+              f"DATA {'binary' if binary else 'ascii'}\n")
     body = points.tobytes() if binary else "".join("{:.6f} {:.6f} {:.6f}\n".format(*p) for p in points).encode()
     path.write_bytes(header.encode() + body)
     return path
@@ -55,7 +57,8 @@ def test_the_key_marks_each_highest_bin(voxid, depth_file, slab):
 
 def test_points_are_the_same_in_every_file_format(voxid, tmp_path, cap):
     answers = [voxid("describe", path, "--json").json for path in (
-        write_xyz(tmp_path / "a.xyz", cap), write_pcd(tmp_path / "b.pcd", cap), write_pcd(tmp_path / "C.PCD", cap, binary=True))]
+        write_xyz(tmp_path / "a.xyz", cap), write_pcd(tmp_path / "b.pcd", cap),
+        write_pcd(tmp_path / "C.PCD", cap, binary=True))]
     assert [a["points"] for a in answers] == [1000] * 3
     # float32 metres of a PCD file are as good as micrometres at half a metre
     assert answers[0]["bins"] == answers[1]["bins"] == answers[2]["bins"]
@@ -75,9 +78,10 @@ def test_seed_and_pairs_matter_and_repeat(voxid, tmp_path, cap):
     assert voxid("describe", path, "--json", "--pairs", 500).json["pairs"] == 500
 
 
-@pytest.mark.parametrize("points, status", [([], "empty"), ([(0, 0, 1)], "degenerate"), ([(0.1, 0.2, 1)] * 9, "degenerate"),
-                                            ([(float("nan"), 0, 1)] * 5, "empty"), ([(float("inf"), 0, 1), (0, 0, 1)], "degenerate"),
-                                            ([(9e9, 0, 1), (0, 0, 1)], "degenerate")])
+@pytest.mark.parametrize("points, status",
+                         [([], "empty"), ([(0, 0, 1)], "degenerate"), ([(0.1, 0.2, 1)] * 9, "degenerate"),
+                          ([(float("nan"), 0, 1)] * 5, "empty"), ([(float("inf"), 0, 1), (0, 0, 1)], "degenerate"),
+                          ([(9e9, 0, 1), (0, 0, 1)], "degenerate")])
 @pytest.mark.parametrize("write", [write_xyz, write_pcd])
 def test_too_few_points_are_said(voxid, tmp_path, write, points, status):
     path = write(tmp_path / ("few.xyz" if write is write_xyz else "few.pcd"), points)
@@ -127,7 +131,8 @@ def test_damaged_point_files(voxid, tmp_path, cap):
     for length in [20, 100, len(whole) // 2, len(whole) - 1]:
         (tmp_path / "cut.pcd").write_bytes(whole[:length])
         voxid("describe", tmp_path / "cut.pcd").refuses(4, "cut.pcd")
-    (tmp_path / "huge.pcd").write_bytes(whole.replace(b"WIDTH 1000", b"WIDTH 2000000000").replace(b"POINTS 1000", b"POINTS 2000000000"))
+    huge = whole.replace(b"WIDTH 1000", b"WIDTH 2000000000").replace(b"POINTS 1000", b"POINTS 2000000000")
+    (tmp_path / "huge.pcd").write_bytes(huge)
     voxid("describe", tmp_path / "huge.pcd").refuses(4, "huge.pcd")
     (tmp_path / "flat.pcd").write_bytes(whole.replace(b"FIELDS x y z", b"FIELDS x y w"))
     voxid("describe", tmp_path / "flat.pcd").refuses(1, "field z")
@@ -160,10 +165,12 @@ def test_a_mesh_counts_by_area_not_by_triangles(voxid, tmp_path):
     solids.write_ply(tmp_path / "plain.ply", (corners, triangles))
     a, b, c = triangles.pop(0)
     n = 24
-    corners = corners + [tuple(corners[a][k] + (corners[b][k] - corners[a][k]) * i / n for k in range(3)) for i in range(n + 1)]
+    corners = corners + [tuple(corners[a][k] + (corners[b][k] - corners[a][k]) * i / n for k in range(3))
+                         for i in range(n + 1)]
     triangles += [(8 + i, 8 + i + 1, c) for i in range(n)]
     solids.write_ply(tmp_path / "cut.ply", (corners, triangles))
-    plain, cut = (np.array(voxid("describe", tmp_path / f"{name}.ply", "--json").json["bins"]) for name in ("plain", "cut"))
+    plain, cut = (np.array(voxid("describe", tmp_path / f"{name}.ply", "--json").json["bins"])
+                  for name in ("plain", "cut"))
     assert np.abs(plain - cut).sum() < 1500 < np.abs(plain - voxid_bins_of_ball(voxid, tmp_path)).sum()
 
 
@@ -228,7 +235,8 @@ def test_the_nearest_view_is_the_one_that_classify_finds(voxid, paper_index, vie
     assert line["match"]["model"] == f"{answer['label']}/{answer['model']}"
     assert line["match"]["direction"] == answer["view"]
     assert line["match"]["distance"] == answer["alternatives"][0]["distance"]
-    assert line["bins"] == voxid("describe", image, "--json").json["bins"], "an index's lines and seed are the usual ones"
+    usual = voxid("describe", image, "--json").json["bins"]
+    assert line["bins"] == usual, "an index's lines and seed are the usual ones"
     assert f"nearest: {line['match']['model']}, direction" in voxid("describe", image, "--index", paper_index).out
     picture = cv2.imread(str(tmp_path / "d.png"))
     assert picture.shape == (468, 1080, 3)

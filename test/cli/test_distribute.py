@@ -41,12 +41,13 @@ class Cluster:
             self.address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
         self._start("scheduler", "--host", "127.0.0.1", "--port", self.address.rsplit(":", 1)[1], "--no-dashboard")
         for number in range(workers):
-            self._start("worker", self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard", "--host", "127.0.0.1",
-                        "--local-directory", str(folder / f"worker{number}"))
+            self._start("worker", self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard",
+                        "--host", "127.0.0.1", "--local-directory", str(folder / f"worker{number}"))
 
     def _start(self, *words):
         with open(self._folder / f"{len(self.processes)}.log", "w") as log:
-            self.processes.append(subprocess.Popen(["/usr/bin/python3", "-m", "dask", *words], stdout=log, stderr=log, cwd=self._folder))
+            self.processes.append(subprocess.Popen(["/usr/bin/python3", "-m", "dask", *words], stdout=log, stderr=log,
+                                                   cwd=self._folder))
 
     def stop(self):
         for process in reversed(self.processes):
@@ -84,8 +85,10 @@ def test_a_local_cluster_makes_the_same_bytes(voxid, models, out, expected):
 def test_a_worker_killed_on_the_way_costs_its_models_once_more(models, out, expected, cluster):
     """One model a task, so that there is a way to be killed on."""
     environment = {**os.environ, "PYTHONPATH": str(ROOT / "python")}
-    script = f"from voxid import distribute; distribute.MODELS_A_TASK = 1; distribute.run({str(PROGRAM)!r}, {arguments(models, out, cluster)!r})"
-    build = subprocess.Popen(["/usr/bin/python3", "-B", "-c", script], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    script = ("from voxid import distribute; distribute.MODELS_A_TASK = 1; "
+              f"distribute.run({str(PROGRAM)!r}, {arguments(models, out, cluster)!r})")
+    build = subprocess.Popen(["/usr/bin/python3", "-B", "-c", script], env=environment, stdout=subprocess.PIPE,
+                             stderr=subprocess.PIPE, text=True)
     parts, deadline = pathlib.Path(f"{out}.parts"), time.time() + 60
     while len(list(parts.glob("*.shard"))) < 2 and build.poll() is None and time.time() < deadline:
         time.sleep(0.005)
@@ -101,7 +104,8 @@ def test_a_worker_killed_on_the_way_costs_its_models_once_more(models, out, expe
 
 
 def arguments(models, out, cluster):
-    return ["--models", str(models), "--out", str(out), "--views-every", "1", "--descriptor", "default", "--scheduler", cluster.address, "--json"]
+    return ["--models", str(models), "--out", str(out), "--views-every", "1", "--descriptor", "default",
+            "--scheduler", cluster.address, "--json"]
 
 
 def test_what_goes_wrong_is_one_sentence(voxid, models, out, tmp_path):

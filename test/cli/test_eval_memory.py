@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""voxid eval --memory; what is remembered is tested in test/core/evidence_test.cpp and test/library/object_memory_test.cpp."""
+"""voxid eval --memory; what is remembered is tested in test/core/evidence_test.cpp and
+test/library/object_memory_test.cpp."""
 
 
 def test_rows_are_of_all_starts_and_do_not_depend_on_jobs(voxid, index, models):

@@ -14,7 +14,8 @@ def unseen(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def result(voxid, index, models, unseen):
-    return voxid("eval", "--index", index, "--poses", "--models", models, "--unseen", unseen, "--objects", 12, "--json").json
+    return voxid("eval", "--index", index, "--poses", "--models", models, "--unseen", unseen, "--objects", 12,
+                 "--json").json
 
 
 def test_members_are_found_where_they_are(result):
@@ -33,7 +34,8 @@ def test_strangers_have_the_size_of_what_they_look_like(result):
 
 
 def test_the_same_views_every_time(voxid, index, models, unseen, result):
-    again = voxid("eval", "--index", index, "--poses", "--models", models, "--unseen", unseen, "--objects", 12, "--json").json
+    again = voxid("eval", "--index", index, "--poses", "--models", models, "--unseen", unseen, "--objects", 12,
+                  "--json").json
     for part in ("seen", "unseen"):
         assert {k: v for k, v in again[part].items() if "ms" not in k.split("_")} == \
                {k: v for k, v in result[part].items() if "ms" not in k.split("_")}
@@ -62,4 +64,5 @@ def test_for_people(voxid, index, models, unseen):
 def test_what_cannot_be(voxid, index, models, unseen, tmp_path):
     voxid("eval", "--index", index, "--poses", "--models", models).refuses(2, "--unseen")
     voxid("eval", "--index", index, "--poses", "--models", models, "--unseen", tmp_path / "none").refuses(1, "none")
-    voxid("eval", "--index", index, "--poses", "--models", tmp_path, "--unseen", unseen).refuses(1, "no mesh of this name", "made from")
+    answer = voxid("eval", "--index", index, "--poses", "--models", tmp_path, "--unseen", unseen)
+    answer.refuses(1, "no mesh of this name", "made from")

@@ -36,7 +36,8 @@ def scores(right):
 
 def described(voxid, folder):
     paths = sorted(folder.glob("*/*.ply"))
-    return [(path.parent.name, np.array(voxid("describe", path, "--pairs", 60000, "--json").json["bins"], int)) for path in paths]
+    return [(path.parent.name, np.array(voxid("describe", path, "--pairs", 60000, "--json").json["bins"], int))
+            for path in paths]
 
 
 def test_what_is_counted(result):

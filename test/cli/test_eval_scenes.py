@@ -17,11 +17,13 @@ def truth(number, category, **more):
 
 @pytest.fixture(scope="module")
 def scenes(voxid, models, tmp_path_factory):
-    """A cube (called block) and a tin on a table, objects 2 and 3 of the labels; a second scene with nothing to ask for."""
+    """A cube (called block) and a tin on a table, objects 2 and 3 of the labels; a second scene with nothing to ask
+    for."""
     folder = tmp_path_factory.mktemp("scenes")
     made = folder / "made"
     meshes = [models / "cube" / "cube_a.ply", models / "tin" / "tin_a.ply"]
-    answer = voxid("render", "--table", "--models", *meshes, "--sizes", 12, "--out", made, "--labels", made / "labels.png")
+    answer = voxid("render", "--table", "--models", *meshes, "--sizes", 12, "--out", made,
+                   "--labels", made / "labels.png")
     assert answer.code == 0, answer.err
     depth = cv2.imread(str(made / "frame_0000.png"), cv2.IMREAD_UNCHANGED)
     seen = cv2.imread(str(made / "labels.png"), cv2.IMREAD_UNCHANGED).astype(np.uint16)
@@ -80,7 +82,8 @@ def test_look_alikes_count_as_one(voxid, index, scenes, tmp_path):
     assert listed["top1"] == 50
     assert listed["merged"] == {"top1": 100, "mean_category": 100, "top5": 100}
     plain = by_key(evaluate(voxid, index, scenes).json)["default", "true", "all"]
-    assert plain["merged"] == {field: plain[field] for field in ("top1", "mean_category", "top5")}  # voxid's own has neither
+    own = {field: plain[field] for field in ("top1", "mean_category", "top5")}
+    assert plain["merged"] == own  # voxid's own has neither
     answer = voxid("eval", "--index", index, "--scenes", scenes, "--aliases", scenes / "aliases.json", *options)
     assert answer.out.count("look alike as one: top-1 100.00 %") == 4
 

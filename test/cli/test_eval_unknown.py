@@ -32,7 +32,8 @@ def test_bad_use(voxid, index, queries, tmp_path):
     voxid("eval", "--index", index, "--scenes", tmp_path, "--unknown").refuses(2)
     voxid("eval", "--index", index, "--queries", queries, "--plot", "x.png").refuses(2)
     (tmp_path / "ball").mkdir()
-    voxid("eval", "--index", index, "--queries", queries, "--unknown", "--models", tmp_path).refuses(1, "no folder board")
+    answer = voxid("eval", "--index", index, "--queries", queries, "--unknown", "--models", tmp_path)
+    answer.refuses(1, "no folder board")
 
 
 def test_info_says_what_to_expect_only_if_it_was_learnt(voxid, index):

@@ -65,5 +65,6 @@ def test_what_cannot_be(voxid, index, models, queries, scene, tmp_path):
     voxid("eval", "--index", index, "--evidence", "size").refuses(2, "--queries")
     voxid("classify", scene, "--index", index, "--evidence", "size,align").refuses(2, "--models")
     voxid("classify", scene, "--index", index, "--scene", "--align").refuses(2, "--models")
-    voxid("classify", scene, "--index", index, "--scene", "--align", "--models", tmp_path).refuses(1, "no mesh of this name")
+    answer = voxid("classify", scene, "--index", index, "--scene", "--align", "--models", tmp_path)
+    answer.refuses(1, "no mesh of this name")
     voxid("classify", scene, "--index", index, "--vote", "--evidence", "align", "--models", models).refuses(2, "--vote")

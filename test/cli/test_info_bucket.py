@@ -40,7 +40,8 @@ def test_the_list(voxid, index, bucket):
     assert answer.code == 0
     first, *views = answer.out.splitlines()
     assert first == f"key {bucket['key']}: {len(bucket['views'])} views"
-    assert [line.split() for line in views] == [[str(e["view"]), "direction", str(e["direction"]), e["model"]] for e in bucket["views"]]
+    assert [line.split() for line in views] == [[str(e["view"]), "direction", str(e["direction"]), e["model"]]
+                                                for e in bucket["views"]]
 
 
 def test_the_picture_shows_every_view(voxid, index, models, bucket, tmp_path):
@@ -62,5 +63,6 @@ def test_bad_use(voxid, index, models, tmp_path):
     voxid("info", index, "--bucket", "0xfffffffffffff").refuses(3, "0xfffffffffffff")
     voxid("info", index, "--bucket", "view:0", "--plot", tmp_path / "b.png").refuses(2, "--models")
     voxid("info", index, "--plot", tmp_path / "b.png").refuses(2, "--bucket")
-    voxid("info", index, "--bucket", "view:0", "--plot", tmp_path / "b.png", "--models", tmp_path).refuses(1, "ball/ball_a")
-    voxid("info", index, "--bucket", "view:0", "--plot", tmp_path / "no" / "b.png", "--models", models).refuses(1, "b.png")
+    plot = ("info", index, "--bucket", "view:0", "--plot")
+    voxid(*plot, tmp_path / "b.png", "--models", tmp_path).refuses(1, "ball/ball_a")
+    voxid(*plot, tmp_path / "no" / "b.png", "--models", models).refuses(1, "b.png")

@@ -53,7 +53,8 @@ def test_eval_counts_right_answers(voxid, index, queries):
 
 
 def test_eval_does_not_depend_on_jobs(voxid, index, queries):
-    results = [voxid("eval", "--index", index, "--queries", queries, "--json", "--jobs", jobs).json for jobs in (1, 2, 5)]
+    results = [voxid("eval", "--index", index, "--queries", queries, "--json", "--jobs", jobs).json
+               for jobs in (1, 2, 5)]
     assert timeless(results[0]) == timeless(results[1]) == timeless(results[2])
 
 
@@ -105,14 +106,16 @@ def test_the_real_queries(voxid, index):
 
 @pytest.fixture(scope="module")
 def comparison(voxid, index, queries, models):
-    return voxid("eval", "--index", index, "--queries", queries, "--compare", "--models", models, "--every", 8, "--jobs", 2, "--json").json
+    return voxid("eval", "--index", index, "--queries", queries, "--compare", "--models", models, "--every", 8,
+                 "--jobs", 2, "--json").json
 
 
 def test_compare_has_a_row_a_descriptor_and_method(comparison):
     assert (comparison["queries"], comparison["views"], comparison["every"]) == (6, 70, 8)
     names = [(row["descriptor"], row["method"]) for row in comparison["rows"]]
     assert len(set(names)) == len(names)
-    assert {(d, m) for d in ("esf", "esf_projected", "d2", "paper_float", "paper", "default") for m in ("1nn", "vote")} <= set(names)
+    assert {(d, m) for d in ("esf", "esf_projected", "d2", "paper_float", "paper", "default")
+            for m in ("1nn", "vote")} <= set(names)
     for row in comparison["rows"]:
         assert 0 <= row["mean_category"] <= 100 and row["top1"] <= row["top5"] <= 100
         assert row["us_per_query"] > 0
@@ -138,7 +141,8 @@ def test_a_row_is_what_the_index_says(voxid, models, queries, comparison, tmp_pa
     own = {row["method"]: row for row in voxid("eval", "--index", built, "--queries", queries, "--json").json["rows"]}
     for row in comparison["rows"]:
         if row["descriptor"] == descriptor:
-            assert all(row[field] == own[row["method"]][field] for field in ("top1", "mean_category", "top5", "top1_95"))
+            assert all(row[field] == own[row["method"]][field]
+                       for field in ("top1", "mean_category", "top5", "top1_95"))
 
 
 def test_floats_hardly_differ_from_bytes(comparison):

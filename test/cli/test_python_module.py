@@ -172,7 +172,8 @@ def test_messages_of_ros_are_found_whichever_comes_first(tmp_path):
     (tmp_path / "voxid" / "msg" / "__init__.py").write_text("Objects = 1\n")
     module = ROOT / os.environ.get("VOXID_BUILD", "build") / "python"
     environment = {**os.environ, "PYTHONPATH": f"{module}:{tmp_path}"}
-    script = "import voxid; from voxid.msg import Objects; from voxid.acquire import source; print(voxid.Index.__name__, Objects)"
+    script = ("import voxid; from voxid.msg import Objects; from voxid.acquire import source; "
+              "print(voxid.Index.__name__, Objects)")
     run = subprocess.run(["/usr/bin/python3", "-c", script], env=environment, capture_output=True, text=True)
     assert run.stdout == "Index 1\n", run.stderr
 

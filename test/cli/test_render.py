@@ -25,7 +25,8 @@ def test_all_views_of_a_model(voxid, models, tmp_path):
 
 def test_the_seed_decides_and_nothing_else(voxid, models, tmp_path):
     def render(name, *options):
-        assert voxid("render", models / "ball" / "ball_a.ply", "--view", 7, "--out", tmp_path / name, *options).code == 0
+        assert voxid("render", models / "ball" / "ball_a.ply", "--view", 7, "--out", tmp_path / name,
+                     *options).code == 0
         return (tmp_path / name / "ball_a_07.png").read_bytes()
 
     assert render("a", "--seed", 3) == render("b", "--seed", 3)
@@ -52,7 +53,8 @@ def test_a_clean_ball_is_a_ball(voxid, models, tmp_path):
 def test_a_table_with_models_and_its_truth(voxid, models, tmp_path):
     out, labels = tmp_path / "frames", tmp_path / "labels"
     meshes = [models / "cube" / "cube_a.ply", models / "tin" / "tin_a.ply", models / "ball" / "ball_a.ply"]
-    answer = voxid("render", "--table", "--models", *meshes, "--sizes", 10, 14, 12, "--frames", 2, "--labels", labels, "--out", out)
+    answer = voxid("render", "--table", "--models", *meshes, "--sizes", 10, 14, 12, "--frames", 2, "--labels", labels,
+                   "--out", out)
     assert answer.code == 0, answer.err
     names = ["frame_0000.png", "frame_0001.png"]
     assert [sorted(path.name for path in folder.glob("*.png")) for folder in (out, labels)] == [names, names]

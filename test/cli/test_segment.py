@@ -149,7 +149,8 @@ def test_evaluation_of_the_real_scenes(voxid):
 def test_slabs_floor_and_wall_added_to_real_scenes():
     needs_mosd()
     program = os.environ.get("VOXID", os.environ.get("VOXID_BUILD", "build") + "/bin/voxid")
-    answer = subprocess.run(["scripts/evaluate_additions", MOSD, "--voxid", program, "--only", "learn0", "--only", "learn40"],
+    answer = subprocess.run(["scripts/evaluate_additions", MOSD, "--voxid", program, "--only", "learn0",
+                             "--only", "learn40"],
                             stdout=subprocess.PIPE, text=True, check=True)
     lines = {line.split(":")[0]: line for line in answer.stdout.splitlines()}
     assert "found 1.00, right 1.00" in lines["slab of  8 mm at 0.9 m"]

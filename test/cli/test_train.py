@@ -8,7 +8,8 @@ import pytest
 @pytest.fixture(scope="module", params=[64, 32])
 def projection(voxid, models, tmp_path_factory, request):
     path = tmp_path_factory.mktemp("projection") / f"solids{request.param}.vxp"
-    answer = voxid("train", "--models", models, "-o", path, "--bytes", request.param, "--lists", 16, "--pairs", 1500, "--jobs", 2)
+    answer = voxid("train", "--models", models, "-o", path, "--bytes", request.param, "--lists", 16, "--pairs", 1500,
+                   "--jobs", 2)
     assert answer.code == 0, answer.err
     assert "560 views of 7 models in 6 categories" in answer.err
     return path
@@ -40,7 +41,8 @@ def test_the_bytes_do_not_depend_on_jobs(voxid, models, projection, tmp_path):
 
 def test_categories_can_be_left_out(voxid, models, tmp_path):
     (tmp_path / "without.txt").write_text("# not these\ncube\nrod\n")
-    answer = voxid("train", "--models", models, "-o", tmp_path / "x.vxp", "--without", tmp_path / "without.txt", "--lists", 8)
+    answer = voxid("train", "--models", models, "-o", tmp_path / "x.vxp", "--without", tmp_path / "without.txt",
+                   "--lists", 8)
     assert answer.code == 0 and "320 views of 4 models in 4 categories" in answer.err
 
 

@@ -18,7 +18,8 @@ def test_generated_files_follow_from_params_yaml(root):
 def test_launch_files_and_nodelets_start_from_the_same_defaults(root):
     at_start = yaml.safe_load((root / "cfg/params.yaml").read_text())["classification"]["at_start"]
     for name in ("voxid.launch", "replay.launch"):
-        arguments = {arg.get("name"): arg.get("default") for arg in xml.parse(root / "launch" / name).getroot().iter("arg")
+        arguments = {arg.get("name"): arg.get("default")
+                     for arg in xml.parse(root / "launch" / name).getroot().iter("arg")
                      if arg.get("default") is not None}
         shared = set(arguments) & set(at_start)
         assert shared == {"index", "target_frame", "align", "models"}
@@ -51,7 +52,8 @@ def constants_of_ros(root, message):
 def statuses(root):
     scene = (root / "include/voxid/geometry/scene.h").read_text()
     body = re.search(r"enum class SceneStatus[^{]*{(.*?)};", scene, re.DOTALL)[1]
-    header = as_table((re.sub(r"(?<!^)([A-Z])", r"_\1", name).upper(), number) for name, number in re.findall(r"(\w+) = (\d+)", body))
+    header = as_table((re.sub(r"(?<!^)([A-Z])", r"_\1", name).upper(), number)
+                      for name, number in re.findall(r"(\w+) = (\d+)", body))
     return header, constants_of_ros(root, "Objects"), constants_of_lcm(root, "object_list_t")
 
 
@@ -71,7 +73,8 @@ def test_drop_reasons_are_those_that_the_messages_document(root):
     reasons = re.findall(r"\w+", re.search(r"enum class DropReason[^{]*{(.*?)};", scene)[1])
     named = [re.sub(r"(?<!^)([A-Z])", r" \1", reason).lower() for reason in reasons if reason != "kCount"]
     for message in ("Segments", "Objects"):
-        documented = re.search(r"^uint32\[\] dropped.*by cause: (.*)$", (root / f"msg/{message}.msg").read_text(), re.MULTILINE)[1]
+        documented = re.search(r"^uint32\[\] dropped.*by cause: (.*)$", (root / f"msg/{message}.msg").read_text(),
+                               re.MULTILINE)[1]
         assert documented.replace("the ", "").split(", ") == named
 
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The rule of dependence (doc/architecture.md): core knows nobody, geometry knows core, library and capture know those two,
-nodelets and cli know all and are known by none. Held for includes and for link lines."""
+"""The rule of dependence (doc/architecture.md): core knows nobody, geometry knows core, library and capture know
+those two, nodelets and cli know all and are known by none. Held for includes and for link lines."""
 import re
 
 import pytest
@@ -65,7 +65,8 @@ def test_core_neither_throws_nor_catches(root, word):
     assert wrong == []
 
 
-@pytest.mark.parametrize("word", [r"\brand\s*\(", r"\bsrand\b", r"random_device", r"mt19937", r"_clock::now", r"\btime\s*\(", r"\bgetenv\b",
+@pytest.mark.parametrize("word", [r"\brand\s*\(", r"\bsrand\b", r"random_device", r"mt19937", r"_clock::now",
+                                  r"\btime\s*\(", r"\bgetenv\b",
                                   r"std::(cout|cerr)", r"\bf?printf\s*\("])
 def test_core_and_geometry_have_no_clock_chance_environment_or_output(root, word):
     wrong = [str(path.relative_to(root)) for part in ("core", "geometry") for path in sources(root, part)

@@ -40,7 +40,8 @@ def test_every_anchor_resolves(root, tracked):
 
 
 def test_every_command_named_in_a_document_exists(root, tracked):
-    wrong = {f"{path}: {command}" for path in documents(root, tracked) for command in COMMAND.findall((root / path).read_text())
+    wrong = {f"{path}: {command}" for path in documents(root, tracked)
+             for command in COMMAND.findall((root / path).read_text())
              if not (root / command.rstrip(".")).exists()}
     assert wrong == set()
 
@@ -53,7 +54,8 @@ def test_subcommands_named_in_the_readme_exist(root):
 
 
 def test_launch_files_named_in_documents_exist(root, tracked):
-    named = {(str(path), name) for path in documents(root, tracked) for name in re.findall(r"roslaunch voxid (\S+\.launch)", (root / path).read_text())}
+    named = {(str(path), name) for path in documents(root, tracked)
+             for name in re.findall(r"roslaunch voxid (\S+\.launch)", (root / path).read_text())}
     assert [pair for pair in sorted(named) if not (root / "launch" / pair[1]).exists()] == []
 
 
@@ -65,6 +67,7 @@ def test_readme_is_short_and_begins_with_a_picture_and_two_commands(root):
     assert "scripts/demo" in first_screen and "scripts/test" in first_screen
 
 
-@pytest.mark.parametrize("document", ["HACKING.md", "CONTRIBUTING.md", "CHANGELOG.rst", "LICENSE", "doc/architecture.md"])
+@pytest.mark.parametrize("document",
+                         ["HACKING.md", "CONTRIBUTING.md", "CHANGELOG.rst", "LICENSE", "doc/architecture.md"])
 def test_documents_are_there(root, document):
     assert len((root / document).read_text()) > 500
