@@ -74,12 +74,18 @@ void printTable(const Json& result) {
   if (result.contains("levels") && !result["levels"].is_null()) printLevels(result["levels"]);
 }
 
-void print(const Options& options, const Json& result) {
+/// As a line of JSON if that is wanted, else as people read it.
+void print(const Options& options, const Json& result, void (*table)(const Json&)) {
   if (options.json) {
     std::cout << lineOf(result);
   } else {
-    printTable(result);
+    table(result);
   }
+}
+
+Status print(const Options& options, const Result<Json>& result, void (*table)(const Json&)) {
+  if (result.ok()) print(options, result.value, table);
+  return result.status;
 }
 
 CompareOptions compareOptionsOf(const Options& options) {
@@ -94,8 +100,7 @@ Status compare(const Options& options, const std::shared_ptr<const Index>& index
   if (!queries.ok()) return queries.status;
   const auto result =
       compareDescriptors(index, queries.value, cameraOfFolder(options.queries), compareOptionsOf(options));
-  if (result.ok()) print(options, result.value);
-  return result.status;
+  return print(options, result, printTable);
 }
 
 Status evaluate(const Options& options, const std::shared_ptr<const Index>& index) {
@@ -108,7 +113,7 @@ Status evaluate(const Options& options, const std::shared_ptr<const Index>& inde
   how.jobs = options.jobs;
   const auto evaluation = evaluateQueries(index, queries.value, cameraOfFolder(options.queries), how);
   if (!evaluation.ok()) return evaluation.status;
-  print(options, evaluation.value.result);
+  print(options, evaluation.value.result, printTable);
   if (options.confusion.empty()) return {};
   return writeImage(options.confusion, drawConfusion(queries.value, evaluation.value.votes));
 }
@@ -121,13 +126,7 @@ Status evaluateScores(const Options& options, const std::shared_ptr<const Index>
   unknown.plot = options.plot;
   unknown.jobs = options.jobs;
   const auto result = evaluateUnknown(index, queries.value, cameraOfFolder(options.queries), unknown);
-  if (!result.ok()) return result.status;
-  if (options.json) {
-    std::cout << lineOf(result.value);
-  } else {
-    printUnknown(result.value);
-  }
-  return {};
+  return print(options, result, printUnknown);
 }
 
 Status evaluateFrames(const Options& options, const std::shared_ptr<const Index>& index) {
@@ -136,13 +135,7 @@ Status evaluateFrames(const Options& options, const std::shared_ptr<const Index>
   memory.search = options.search;
   memory.jobs = options.jobs;
   const auto result = evaluateMemory(index, memory);
-  if (!result.ok()) return result.status;
-  if (options.json) {
-    std::cout << lineOf(result.value);
-  } else {
-    printMemory(result.value);
-  }
-  return {};
+  return print(options, result, printMemory);
 }
 
 Status evaluateReal(const Options& options, const std::shared_ptr<const Index>& index) {
@@ -151,13 +144,7 @@ Status evaluateReal(const Options& options, const std::shared_ptr<const Index>& 
   scenes.comparing = options.comparing;
   scenes.compare = compareOptionsOf(options);
   const auto result = evaluateScenes(index, scenes);
-  if (!result.ok()) return result.status;
-  if (options.json) {
-    std::cout << lineOf(result.value);
-  } else {
-    printScenes(result.value);
-  }
-  return {};
+  return print(options, result, printScenes);
 }
 
 /// The index, if one is named, says how the descriptor is made.
@@ -172,13 +159,7 @@ Status retrieve(const Options& options) {
     retrieval.params = paperParamsOf(*index.value);
   }
   const auto result = evaluateRetrieval(retrieval);
-  if (!result.ok()) return result.status;
-  if (options.json) {
-    std::cout << lineOf(result.value);
-  } else {
-    printRetrieval(result.value);
-  }
-  return {};
+  return print(options, result, printRetrieval);
 }
 
 Status pose(const Options& options, const std::shared_ptr<const Index>& index) {
@@ -188,13 +169,7 @@ Status pose(const Options& options, const std::shared_ptr<const Index>& index) {
   poses.jobs = options.jobs;
   poses.pcl_every = options.comparing ? options.every : 0;
   const auto result = evaluatePoses(index, options.search, poses);
-  if (!result.ok()) return result.status;
-  if (options.json) {
-    std::cout << lineOf(result.value);
-  } else {
-    printPoses(result.value);
-  }
-  return {};
+  return print(options, result, printPoses);
 }
 
 Status checkPoses(const Options& options) {

@@ -6,6 +6,8 @@
 
 #include <cstring>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "core/index_fixture.h"
 #include "drawing.h"
@@ -20,6 +22,24 @@ namespace {
 using test::imageOf;
 using test::infoOf;
 using test::TableScene;
+
+/// A wall straight before the camera, seen at 5 s, and a segment of some of its pixels.
+struct WallScene {
+  WallScene(std::uint16_t wall_mm, int id, std::vector<std::uint32_t> pixels)
+      : image(imageOf(std::vector<std::uint16_t>(320 * 240, wall_mm), ros::Time(5))),
+        depth(viewOf(*image, *infoOf(ros::Time(5))).value) {
+    segments.header = image->header;
+    segments.width = 320;
+    segments.height = 240;
+    segments.segments.resize(1);
+    segments.segments[0].id = id;
+    segments.segments[0].pixels = std::move(pixels);
+  }
+
+  sensor_msgs::ImagePtr image;
+  DepthView depth;
+  Segments segments;
+};
 
 /// No two fields alike, so that none can stand in for another.
 ModelPose numberedModelPose() {
@@ -221,16 +241,9 @@ TEST(ToLcm, AlwaysFitsOneDatagram) {
 }
 
 TEST(Points, AreInMillimetresAndFitOneDatagram) {
-  const auto image = imageOf(std::vector<std::uint16_t>(320 * 240, 1050), ros::Time(5));
-  const DepthView depth = viewOf(*image, *infoOf(ros::Time(5))).value;
-  Segments segments;
-  segments.header = image->header;
-  segments.width = 320;
-  segments.height = 240;
-  Segment segment;
-  segment.id = 2;
-  segment.pixels = {120 * 320 + 160, 120 * 320 + 265};
-  const object_points_t two = pointsOf(depth, segments, segment, 70000);
+  WallScene wall(1050, 2, {120 * 320 + 160, 120 * 320 + 265});
+  Segment& segment = wall.segments.segments[0];
+  const object_points_t two = pointsOf(wall.depth, wall.segments, segment, 70000);
   EXPECT_EQ(two.utime, 5000000);
   EXPECT_EQ(two.frame_name, "camera");
   EXPECT_EQ(two.id, 2);
@@ -240,7 +253,7 @@ TEST(Points, AreInMillimetresAndFitOneDatagram) {
 
   segment.pixels.clear();
   for (std::uint32_t pixel = 0; pixel < 320 * 240; ++pixel) segment.pixels.push_back(pixel);
-  const object_points_t many = pointsOf(depth, segments, segment, 0);
+  const object_points_t many = pointsOf(wall.depth, wall.segments, segment, 0);
   EXPECT_EQ(many.num_points, 6000);
   EXPECT_LT(many.xyz_mm.front()[1], -400);
   EXPECT_GT(many.xyz_mm.back()[1], 400);
@@ -439,16 +452,8 @@ TEST(Fit, PixelsMustLieInTheImage) {
 }
 
 TEST(Cloud, HasThePointsInMetresWithTheirColour) {
-  const auto image = imageOf(std::vector<std::uint16_t>(320 * 240, 1050), ros::Time(5));
-  const DepthView depth = viewOf(*image, *infoOf(ros::Time(5))).value;
-  Segments segments;
-  segments.header = image->header;
-  segments.width = 320;
-  segments.height = 240;
-  segments.segments.resize(1);
-  segments.segments[0].id = 2;
-  segments.segments[0].pixels = {120 * 320 + 160, 120 * 320 + 265};
-  const sensor_msgs::PointCloud2 cloud = cloudOf(depth, segments);
+  const WallScene wall(1050, 2, {120 * 320 + 160, 120 * 320 + 265});
+  const sensor_msgs::PointCloud2 cloud = cloudOf(wall.depth, wall.segments);
   EXPECT_EQ(cloud.header.frame_id, "camera");
   EXPECT_EQ(cloud.header.stamp, ros::Time(5));
   ASSERT_EQ(cloud.width * cloud.height, 2u);
@@ -564,15 +569,8 @@ TEST(Markers, WhatIsGoneIsDeleted) {
 }
 
 TEST(Overlay, ColoursTheObjectAndNothingElse) {
-  const auto image = imageOf(std::vector<std::uint16_t>(320 * 240, 1000), ros::Time(5));
-  const DepthView depth = viewOf(*image, *infoOf(ros::Time(5))).value;
-  Segments segments;
-  segments.width = 320;
-  segments.height = 240;
-  segments.segments.resize(1);
-  segments.segments[0].id = 3;
-  segments.segments[0].pixels = {100 * 320 + 150};
-  const cv::Mat drawing = drawOverlay(depth, segments, numberedObjects());
+  const WallScene wall(1000, 3, {100 * 320 + 150});
+  const cv::Mat drawing = drawOverlay(wall.depth, wall.segments, numberedObjects());
   ASSERT_EQ(drawing.type(), CV_8UC3);
   ASSERT_EQ(drawing.size(), cv::Size(320, 240));
   const cv::Vec3b object = drawing.at<cv::Vec3b>(100, 150), beside = drawing.at<cv::Vec3b>(100, 151);
