@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// voxid_chain_bench FOLDER INDEX OPENNI2 SECONDS ALIGN MODELS: the live chain on a folder of depth images, played by the replay
-// driver at 30 frames a second, under a ROS master and an LCM address of its own. One JSON object on stdout, or one
-// sentence there and exit code 1.
+// voxid_chain_bench FOLDER INDEX OPENNI2 SECONDS ALIGN MODELS: the live chain on a folder of depth images, played by
+// the replay driver at 30 frames a second, under a ROS master and an LCM address of its own. One JSON object on stdout,
+// or one sentence there and exit code 1.
 #include <ros/ros.h>
 #include <unistd.h>
 
@@ -199,8 +199,7 @@ int main(int argc, char** argv) try {
   if (argc > 1 && std::string(argv[1]) == "--manager") return voxid::bench::runManager(argc, argv);
   if (argc != 7)
     throw std::runtime_error("voxid_chain_bench FOLDER INDEX OPENNI2 SECONDS ALIGN MODELS: run by voxid bench --chain");
-  const auto row =
-      voxid::bench::measure({argv[1], argv[2], argv[3], std::strtod(argv[4], nullptr), argv[5], argv[6]});
+  const auto row = voxid::bench::measure({argv[1], argv[2], argv[3], std::strtod(argv[4], nullptr), argv[5], argv[6]});
   std::printf("%s\n", row.dump().c_str());
   return 0;
 } catch (const std::exception& error) {

@@ -7,7 +7,8 @@ namespace voxid {
 
 /// A thread that is kept when its work is done, and given the next work: there are as many as ever worked at once.
 /// OpenNI2 remembers each thread that has called it, and asks later, by pthread_kill, whether it still lives. Of a
-/// thread that has ended, that reads memory which is gone: a process that starts and ends a capture now and then crashes.
+/// thread that has ended, that reads memory which is gone: a process that starts and ends a capture now and then
+/// crashes.
 class LastingThread {
  public:
   /// Starts the work.

@@ -162,8 +162,10 @@ Status run(const Options& options) {
   if (!status.ok()) return status;
   Json result;
   result["rows"] = Json::array();
-  if (options.scale > 0) status = addScale(options, result);
-  else if (!options.queries.empty()) status = addQueryRows(options, result);
+  if (options.scale > 0)
+    status = addScale(options, result);
+  else if (!options.queries.empty())
+    status = addQueryRows(options, result);
   if (status.ok() && !options.scenes.empty()) status = addSceneRows(options, result);
   if (status.ok() && options.chain) status = addChainRow(options, result);
   if (!status.ok()) return status;
@@ -171,8 +173,10 @@ Status run(const Options& options) {
     std::cout << lineOf(result);
     return {};
   }
-  if (options.scale > 0) printScale(result["scale"]);
-  else if (!options.queries.empty()) printQueryRows(result);
+  if (options.scale > 0)
+    printScale(result["scale"]);
+  else if (!options.queries.empty())
+    printQueryRows(result);
   if (!options.scenes.empty()) printSceneRows(result);
   if (options.chain) printChainRow(result["rows"].back());
   return {};

@@ -72,10 +72,11 @@ Result<Json> benchChain(const std::string& folder, const std::string& index, int
   const auto places = findPlaces();
   if (!places.ok()) return places.status;
   int code = -1;
-  const auto output = outputOf({places.value.program.string(), fs::absolute(folder).string(),
-                                fs::absolute(index).string(), places.value.openni2.string(), std::to_string(seconds),
-                                alignment.mode, alignment.models.empty() ? "" : fs::absolute(alignment.models).string()},
-                               code);
+  const auto output =
+      outputOf({places.value.program.string(), fs::absolute(folder).string(), fs::absolute(index).string(),
+                places.value.openni2.string(), std::to_string(seconds), alignment.mode,
+                alignment.models.empty() ? "" : fs::absolute(alignment.models).string()},
+               code);
   if (!output.ok()) return output.status;
   Json row = Json::parse(output.value, nullptr, false);
   if (code == 0 && row.is_object()) return row;

@@ -24,7 +24,9 @@ void printEvent(const Json& event) {
 
 class JsonListener : public BuildListener {
  public:
-  void onModel(const std::string& model, int views) override { printEvent({{"event", "model"}, {"model", model}, {"views", views}}); }
+  void onModel(const std::string& model, int views) override {
+    printEvent({{"event", "model"}, {"model", model}, {"views", views}});
+  }
   void onSkipped(const SkippedModel& skipped) override {
     printEvent({{"event", "skipped"}, {"model", skipped.model}, {"reason", skipped.reason}});
   }
@@ -37,8 +39,9 @@ void printEmpty(const BuildReport& report) {
 }
 
 void printDone(const BuildReport& report, const std::string& out) {
-  std::fprintf(stderr, "voxid: %s: %d views of %d models in %d categories, %llu bytes; %zu skipped\n", out.c_str(), report.views,
-               report.models, report.categories, static_cast<unsigned long long>(report.bytes), report.skipped.size());
+  std::fprintf(stderr, "voxid: %s: %d views of %d models in %d categories, %llu bytes; %zu skipped\n", out.c_str(),
+               report.views, report.models, report.categories, static_cast<unsigned long long>(report.bytes),
+               report.skipped.size());
 }
 
 double accuracyToExpect(const format::Confidence& confidence) {
@@ -69,7 +72,8 @@ struct DescriptorChoice {
     app.add_option("--descriptor", descriptor, "What views are described with; queries are described alike")
         ->capture_default_str()
         ->check(CLI::IsMember({"default", "paper"}));
-    app.add_option("--projection", projection, "Of descriptor default: made by `voxid train`, instead of the one shipped")
+    app.add_option("--projection", projection,
+                   "Of descriptor default: made by `voxid train`, instead of the one shipped")
         ->type_name("FILE");
     pairs = app.add_option("--pairs", params.pairs, "Of descriptor paper: lines drawn")
                 ->capture_default_str()
@@ -88,7 +92,8 @@ struct DescriptorChoice {
       if (!projection.empty()) return Status::badUse("--projection is for --descriptor default");
       return Profile{params, nullptr};
     }
-    if (pairs->count() > 0) return Status::badUse("--pairs is for --descriptor paper; a projection says how many pairs it needs");
+    if (pairs->count() > 0)
+      return Status::badUse("--pairs is for --descriptor paper; a projection says how many pairs it needs");
     const auto read = projection.empty() ? shippedProjection() : Projection::read(projection);
     if (!read.ok()) return read.status;
     return Profile{{}, read.value};
@@ -107,12 +112,15 @@ struct Places {
 Result<BuildPart> partOf(const std::string& text) {
   BuildPart part;
   char end = 0;
-  if (std::sscanf(text.c_str(), "%d/%d%c", &part.part, &part.parts, &end) == 2 && part.part >= 0 && part.part < part.parts) return part;
+  if (std::sscanf(text.c_str(), "%d/%d%c", &part.part, &part.parts, &end) == 2 && part.part >= 0 &&
+      part.part < part.parts)
+    return part;
   return Status::badUse("--part " + text + ": expected K/N, such as 0/4, K below N");
 }
 
 Status distribute(const BuildOptions& options, const DescriptorChoice& choice, const Places& places, bool json) {
-  std::vector<std::string> arguments = {"--models", options.models, "--out", options.out, "--views-every", std::to_string(options.views_every)};
+  std::vector<std::string> arguments = {"--models",  options.models,  "--out",
+                                        options.out, "--views-every", std::to_string(options.views_every)};
   choice.addTo(arguments);
   if (options.keep_surfaces) arguments.push_back("--keep-points");
   if (options.resume) arguments.push_back("--resume");
@@ -135,8 +143,10 @@ Status run(const BuildOptions& options, const std::string& part, bool json) {
   if (!report.ok()) return report.status;
   printSkipped(report.value.skipped);
   printEmpty(report.value);
-  if (json) printDoneEvent(report.value);
-  else printDone(report.value, options.out);
+  if (json)
+    printDoneEvent(report.value);
+  else
+    printDone(report.value, options.out);
   return {};
 }
 
@@ -146,21 +156,31 @@ Run addBuild(CLI::App& app) {
   auto options = std::make_shared<BuildOptions>();
   auto json = std::make_shared<bool>(false);
   options->jobs = processors();
-  app.add_option("--models", options->models, "Folder with one folder a category, which holds a mesh file a model")->required();
-  app.add_option("--out", options->out, "The index to write (.vxi); an old one stays until the new one is whole")->required();
-  app.add_option("--jobs", options->jobs, "Worker processes; the index is the same for any number")->capture_default_str()->check(CLI::Range(1, 1024));
-  app.add_flag("--keep-points", options->keep_surfaces, "Keep each model's surface in the index, so that poses need no models");
+  app.add_option("--models", options->models, "Folder with one folder a category, which holds a mesh file a model")
+      ->required();
+  app.add_option("--out", options->out, "The index to write (.vxi); an old one stays until the new one is whole")
+      ->required();
+  app.add_option("--jobs", options->jobs, "Worker processes; the index is the same for any number")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1024));
+  app.add_flag("--keep-points", options->keep_surfaces,
+               "Keep each model's surface in the index, so that poses need no models");
   app.add_flag("--resume", options->resume, "Go on where an interrupted build of the same models and settings ended");
-  app.add_option("--views-every", options->views_every, "Take every n-th of the 80 directions")->capture_default_str()->check(CLI::Range(1, 80));
+  app.add_option("--views-every", options->views_every, "Take every n-th of the 80 directions")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 80));
   const auto choice = std::make_shared<DescriptorChoice>();
   choice->addTo(app);
   app.add_flag("--json", *json, "Events as JSON, one a line on standard output");
   const auto places = std::make_shared<Places>();
-  CLI::Option* const workers = app.add_option("--workers", places->workers, "Spread the models over so many workers of Dask on this machine");
+  CLI::Option* const workers =
+      app.add_option("--workers", places->workers, "Spread the models over so many workers of Dask on this machine");
   workers->check(CLI::Range(1, 1024))->type_name("N");
-  CLI::Option* const scheduler = app.add_option("--scheduler", places->scheduler, "Spread them over the workers of this Dask scheduler");
+  CLI::Option* const scheduler =
+      app.add_option("--scheduler", places->scheduler, "Spread them over the workers of this Dask scheduler");
   scheduler->type_name("tcp://HOST:PORT")->excludes(workers);
-  app.add_option("--part", places->part, "Finish every N-th model from number K on, in OUT.parts, and end; --resume takes them")
+  app.add_option("--part", places->part,
+                 "Finish every N-th model from number K on, in OUT.parts, and end; --resume takes them")
       ->type_name("K/N")
       ->excludes(workers, scheduler);
   return [options, json, choice, places] {

@@ -256,7 +256,8 @@ Run addClassify(CLI::App& app) {
   app.add_flag("--json", options->json, "One object a frame and line");
   options->evidence.addTo(app);
   app.add_flag("--align", options->align, "Where each object's model stands; with --plot it is drawn over the picture");
-  app.add_option("--models", options->models, "With --align, --evidence align: the folder that the index was made from, if it keeps no surfaces")
+  app.add_option("--models", options->models,
+                 "With --align, --evidence align: the folder that the index was made from, if it keeps no surfaces")
       ->type_name("DIR");
   options->search.addTo(app);
   CLI::Option* const vote = app.add_flag("--vote", options->vote, "The ten nearest views vote (default)");

@@ -14,9 +14,11 @@ namespace voxid::cli {
 /// A sub-command's work; its status becomes the exit code, its sentence one line on stderr.
 using Run = std::function<Status()>;
 
-/// The text without line ends and what else moves a terminal's cursor: names of files, and messages of other libraries, hold such.
+/// The text without line ends and what else moves a terminal's cursor: names of files, and messages of other libraries,
+/// hold such.
 inline std::string oneLine(std::string text) {
-  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
   return text;
 }
 

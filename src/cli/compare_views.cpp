@@ -35,10 +35,7 @@ std::vector<ModelRows> rowsByModel(const Index& index, const std::vector<std::ui
 class Worker {
  public:
   Worker(const Index& index, const std::string& models, const ComparedViews& out)
-      : index_(index),
-        models_(models),
-        out_(out),
-        codes_(comparedCodes(index)) {}
+      : index_(index), models_(models), out_(out), codes_(comparedCodes(index)) {}
 
   Status describe(const ModelRows& rows) {
     const std::string name = fullNameOf(index_, rows.model);

@@ -36,8 +36,8 @@ struct Options {
 struct Description {
   std::vector<PointUm> points;  ///< that the file holds; NaN and no depth left out
   Described described;
-  std::size_t triangles = 0;  ///< of a mesh
-  MeshBox box;                ///< of a mesh, in its own unit
+  std::size_t triangles = 0;            ///< of a mesh
+  MeshBox box;                          ///< of a mesh, in its own unit
   std::vector<std::vector<int>> views;  ///< of a mesh, by descriptor default; one that shows nothing is left out
 };
 
@@ -209,14 +209,15 @@ Run addDescribe(CLI::App& app) {
       ->required();
   options->camera.addTo(app);
   CLI::Option* const pairs = app.add_option("--pairs", options->params.pairs, "Lines drawn")
-      ->capture_default_str()
-      ->check(CLI::Range(1u, 1000000u));
+                                 ->capture_default_str()
+                                 ->check(CLI::Range(1u, 1000000u));
   CLI::Option* const seed =
       app.add_option("--seed", options->params.seed, "Of the generator that draws them")->capture_default_str();
   app.add_option("--index", options->index, "Also find the nearest view of this index; --plot draws it too")
       ->type_name("FILE")
       ->excludes(pairs, seed);
-  app.add_option("--views-every", options->views_every, "Of a mesh, with --json: also every N-th of an index's 80 views")
+  app.add_option("--views-every", options->views_every,
+                 "Of a mesh, with --json: also every N-th of an index's 80 views")
       ->check(CLI::Range(1, kDirections));
   app.add_flag("--json", options->json, "One JSON object");
   app.add_option("--plot", options->plot, "Draw the six histograms")->type_name("PATH.png");

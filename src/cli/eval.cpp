@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "command.h"
-#include "compare_codes.h"
 #include "compare.h"
+#include "compare_codes.h"
 #include "eval_memory.h"
 #include "eval_poses.h"
 #include "eval_queries.h"
@@ -39,7 +39,8 @@ void printRow(const Json& row) {
               row["mean_category"].get<double>(), row["top5"].get<double>(), row["us_per_query"].get<double>(),
               row["bytes_per_view"].get<double>());
   if (row.contains("minus_vote")) {
-    std::printf("   %+.2f %s against vote", row["minus_vote"].get<double>(), intervalText(row["minus_vote_95"]).c_str());
+    std::printf("   %+.2f %s against vote", row["minus_vote"].get<double>(),
+                intervalText(row["minus_vote_95"]).c_str());
   }
   if (row.contains("minus_esf") && !row["minus_esf"].is_null()) {
     std::printf(" %+10.2f %17s", row["minus_esf"].get<double>(), intervalText(row["minus_esf_95"]).c_str());
@@ -54,11 +55,12 @@ std::string percentText(const Json& share) {
 }
 
 void printLevels(const Json& levels) {
-  std::printf("by vote, as synsets: top-1 %s; a synset is told of %s, rightly of %s of them; of %s its category is wrong, and "
-              "of %s of these the synset is right\n",
-              percentText(levels["synset_top1"]).c_str(), percentText(levels["told"]).c_str(),
-              percentText(levels["told_right"]).c_str(), percentText(levels["told_but_category_wrong"]).c_str(),
-              percentText(levels["right_of_these"]).c_str());
+  std::printf(
+      "by vote, as synsets: top-1 %s; a synset is told of %s, rightly of %s of them; of %s its category is wrong, and "
+      "of %s of these the synset is right\n",
+      percentText(levels["synset_top1"]).c_str(), percentText(levels["told"]).c_str(),
+      percentText(levels["told_right"]).c_str(), percentText(levels["told_but_category_wrong"]).c_str(),
+      percentText(levels["right_of_these"]).c_str());
 }
 
 void printTable(const Json& result) {
@@ -174,7 +176,8 @@ Status pose(const Options& options, const std::shared_ptr<const Index>& index) {
 
 Status checkPoses(const Options& options) {
   if (options.compare.models.empty() || options.unseen.empty()) {
-    return Status::badUse("--poses needs --models DIR, the folder that the index was made from, and --unseen DIR, other models");
+    return Status::badUse(
+        "--poses needs --models DIR, the folder that the index was made from, and --unseen DIR, other models");
   }
   return {};
 }
@@ -241,10 +244,9 @@ Status run(const Options& options) {
 Run addEval(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   app.add_option("--index", options->index, "The index (.vxi) to measure")->type_name("FILE");
-  CLI::Option* const queries =
-      app.add_option("--queries", options->queries,
-                     "Depth images of one object each, with queries.csv (file,category,model)")
-          ->type_name("DIR");
+  CLI::Option* const queries = app.add_option("--queries", options->queries,
+                                              "Depth images of one object each, with queries.csv (file,category,model)")
+                                   ->type_name("DIR");
   CLI::Option* const scenes = app.add_option("--scenes", options->scenes.folder,
                                              "Real scenes with labels and objects.json, instead of --queries")
                                   ->type_name("DIR");
@@ -261,9 +263,10 @@ Run addEval(CLI::App& app) {
       ->type_name("FILE")
       ->needs(scenes);
   options->scenes.evidence.addTo(app);
-  CLI::Option* const comparing = app.add_flag(
-      "--compare", options->comparing, "Descriptors beside one another on the same views, PCL's ESF among them; with --poses: "
-                                   "PCL's SampleConsensusPrerejective and ICP on each N-th view of a member (--every)");
+  CLI::Option* const comparing =
+      app.add_flag("--compare", options->comparing,
+                   "Descriptors beside one another on the same views, PCL's ESF among them; with --poses: "
+                   "PCL's SampleConsensusPrerejective and ICP on each N-th view of a member (--every)");
   CLI::Option* const retrieval =
       app.add_flag("--retrieval", options->retrieval,
                    "Whole models asked for among whole models, instead of views; needs no index")
@@ -285,9 +288,9 @@ Run addEval(CLI::App& app) {
   app.add_option("--unseen", options->unseen,
                  "With --retrieval, --memory, --poses: the models asked for, <category>/<model>.<ext>")
       ->type_name("DIR");
-  CLI::Option* const posing = app.add_flag("--poses", options->posing,
-                                           "Poses and sizes of models, on views drawn anew whose pose is known")
-                                  ->excludes(queries, scenes, retrieval, unknown);
+  CLI::Option* const posing =
+      app.add_flag("--poses", options->posing, "Poses and sizes of models, on views drawn anew whose pose is known")
+          ->excludes(queries, scenes, retrieval, unknown);
   app.add_option("--objects", options->poses.objects, "With --poses: so many views of members, and of unseen models")
       ->type_name("N")
       ->check(CLI::Range(1, 1000000))

@@ -152,8 +152,8 @@ Json resultOf(const Index& index, const std::vector<Query>& queries, const AllOu
   json["queries"] = queries.size();
   json["rows"] = Json::array();
   for (std::size_t m = 0; m < kMethods.size(); ++m) {
-    json["rows"].push_back(
-        rowOf(index.parameters().profile, kMethods[m].name, figuresOf(queries, outcomes.by_method[m]), bytesPerView(index)));
+    json["rows"].push_back(rowOf(index.parameters().profile, kMethods[m].name,
+                                 figuresOf(queries, outcomes.by_method[m]), bytesPerView(index)));
   }
   if (!outcomes.aligned.empty()) json["rows"].push_back(alignedRow(index, queries, outcomes));
   json["levels"] = levelsOf(index, queries, outcomes.by_method.back());

@@ -24,8 +24,8 @@ struct QueryOptions {
   int jobs = 1;
 };
 
-/// With alignment as evidence there is a third row. Fails with the first query, in their order, that cannot be read. All figures but the times are the same for any
-/// `jobs`.
+/// With alignment as evidence there is a third row. Fails with the first query, in their order, that cannot be read.
+/// All figures but the times are the same for any `jobs`.
 Result<QueryEvaluation> evaluateQueries(const std::shared_ptr<const Index>& index, const std::vector<Query>& queries,
                                         const CameraChoice& camera, const QueryOptions& options);
 

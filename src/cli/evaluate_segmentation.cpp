@@ -145,8 +145,7 @@ Result<json> readTruth(const std::filesystem::path& path) {
   std::ifstream file(path);
   if (!file)
     return Status::cannotDo(
-        path.string() +
-        ": cannot be read; expected a folder with objects.json, NAME_depth.png and NAME_labels.png");
+        path.string() + ": cannot be read; expected a folder with objects.json, NAME_depth.png and NAME_labels.png");
   json truth = json::parse(file, nullptr, false);
   if (!truth.is_object()) return Status::damaged(path.string() + ": is not a JSON object of scenes");
   return truth;

@@ -85,7 +85,8 @@ void drawRow(const Counts& counts, const std::vector<std::string>& names, std::s
   }
 }
 
-/// At the row's end how much of it is right, and what it is mostly taken for otherwise. Nothing where nothing was asked.
+/// At the row's end how much of it is right, and what it is mostly taken for otherwise. Nothing where nothing was
+/// asked.
 void writeSummary(const Counts& counts, const std::vector<std::string>& names, std::size_t row, cv::Point at,
                   cv::Mat& picture) {
   int all = 0, right = 0, most = 0;

@@ -60,8 +60,8 @@ Difference differenceOf(const std::vector<Query>& queries, const std::vector<Out
 /// Two decimals.
 double rounded(double x);
 
-/// Right category a row, answer a column, darker is more (share of the row); categories by name. At the end of a row: how
-/// many of how many are right, and the category that the others are mostly taken for.
+/// Right category a row, answer a column, darker is more (share of the row); categories by name. At the end of a row:
+/// how many of how many are right, and the category that the others are mostly taken for.
 cv::Mat drawConfusion(const std::vector<Query>& queries, const std::vector<Outcome>& outcomes);
 
 /// Of an index; the surfaces that it keeps grow with the models and are not counted.

@@ -32,7 +32,8 @@ bool EvidenceChoice::align() const { return contains(names, "align"); }
 
 Status checkSurfaces(const std::string& option, const Index& index, const std::string& models) {
   if (index.hasSurfaces() || !models.empty()) return {};
-  return Status::badUse(option + " needs --models DIR, the folder that the index was made from, or an index made with "
+  return Status::badUse(option +
+                        " needs --models DIR, the folder that the index was made from, or an index made with "
                         "`voxid build --keep-points`");
 }
 

@@ -48,7 +48,8 @@ class EvidenceRecogniser {
   /// The answer by all evidence. `count` is zero if there is nothing to compare.
   Result<Answer> recognise(const ObservedObject& object, ClassifyMethod method, int min_score_permille);
 
-  /// Where the category's best model stands, `object` being that of the last recognise(). Fails if no model can be read.
+  /// Where the category's best model stands, `object` being that of the last recognise(). Fails if no model can be
+  /// read.
   Result<ObjectPose> pose(const ObservedObject& object, std::uint32_t category);
 
   const Index& index() const { return recogniser_.index(); }

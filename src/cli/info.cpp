@@ -88,12 +88,15 @@ void printCategories(const Index& index) {
 void printExpectation(const Index& index) {
   const format::Confidence* const confidence = index.confidence();
   if (confidence == nullptr) {
-    std::printf("expect       not known: fewer than %u models in categories of three or more, or made before format 1.2\n",
-                kConfidenceModels);
+    std::printf(
+        "expect       not known: fewer than %u models in categories of three or more, or made before format 1.2\n",
+        kConfidenceModels);
     return;
   }
-  std::printf("expect       %.1f %% of answers right for objects that are not in it, of categories that are (%u of its own views)\n",
-              100.0 * confidence->right / confidence->samples, confidence->samples);
+  std::printf(
+      "expect       %.1f %% of answers right for objects that are not in it, of categories that are (%u of its own "
+      "views)\n",
+      100.0 * confidence->right / confidence->samples, confidence->samples);
 }
 
 void printForPeople(const Index& index, bool with_categories) {
@@ -159,8 +162,7 @@ Run addInfo(CLI::App& app) {
   CLI::Option* const bucket =
       app.add_option("--bucket", options->bucket, "List the views that share a hash key: 0x... or that of view:N")
           ->type_name("KEY");
-  CLI::Option* const plot =
-      app.add_option("--plot", options->plot, "Draw them")->type_name("PATH.png")->needs(bucket);
+  CLI::Option* const plot = app.add_option("--plot", options->plot, "Draw them")->type_name("PATH.png")->needs(bucket);
   app.add_option("--models", options->models, "With --plot: the folder that the index was made from")
       ->type_name("DIR")
       ->needs(plot);

@@ -13,7 +13,8 @@ std::string NearestView::model() const {
 Result<std::shared_ptr<const Index>> openPaperIndex(const std::string& path) {
   auto index = Index::open(path);
   if (index.ok() && index.value->projection()) {
-    return Status::cannotDo(path + ": is of descriptor default; expected one made with `voxid build --descriptor paper`");
+    return Status::cannotDo(path +
+                            ": is of descriptor default; expected one made with `voxid build --descriptor paper`");
   }
   return index;
 }

@@ -20,11 +20,12 @@ struct ObjectPose {
 };
 
 /// model, rotation (quaternion x, y, z, w: model to camera), translation_mm (of the model's box centre), scale_mm (the
-/// box's diagonal), fit_mm, misfit, explained, free_axis (null if the rotation is known), covariance (49 numbers, row by
-/// row, as in Alignment). Null if nothing was found.
+/// box's diagonal), fit_mm, misfit, explained, free_axis (null if the rotation is known), covariance (49 numbers, row
+/// by row, as in Alignment). Null if nothing was found.
 Json toJson(const ObjectPose& pose);
 
-/// The model's surface, shaded, where nothing nearer hides it, and its outline. `picture`: CV_8UC3, of the image's size.
+/// The model's surface, shaded, where nothing nearer hides it, and its outline. `picture`: CV_8UC3, of the image's
+/// size.
 void drawPose(const DepthView& depth, const ObjectPose& pose, const cv::Scalar& colour, cv::Mat& picture);
 
 }  // namespace voxid::cli

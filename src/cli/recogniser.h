@@ -54,9 +54,9 @@ class Recogniser {
 /// All pixels with depth, ascending: the object of an image that shows nothing else.
 std::vector<std::uint32_t> setPixels(const DepthView& depth);
 
-/// Adds label (empty if not known), score, alternatives (label, score, distance; best first), coarse (the synset that can be
-/// told, empty if none) and its coarse_score, model, view (number of
-/// its direction, 0 to 79) to `object`; model is empty and view null if nothing was compared.
+/// Adds label (empty if not known), score, alternatives (label, score, distance; best first), coarse (the synset that
+/// can be told, empty if none) and its coarse_score, model, view (number of its direction, 0 to 79) to `object`; model
+/// is empty and view null if nothing was compared.
 void addAnswer(const Index& index, const Answer& answer, Json& object);
 
 /// "mug 87 %", or "? (mug 12 %)" if the score is too low, "?" if nothing was compared.

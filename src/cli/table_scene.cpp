@@ -28,9 +28,11 @@ float between(Generator& random, float low, float high) {
 Mesh tableMesh() {
   Mesh mesh;
   for (int i = 0; i < 8; ++i) {
-    mesh.vertices.push_back({(i & 1 ? 0.5f : -0.5f) * kTableWidthMm, (i & 2 ? 0.5f : -0.5f) * kTableDepthMm, i & 4 ? 0 : -kTableThicknessMm});
+    mesh.vertices.push_back({(i & 1 ? 0.5f : -0.5f) * kTableWidthMm, (i & 2 ? 0.5f : -0.5f) * kTableDepthMm,
+                             i & 4 ? 0 : -kTableThicknessMm});
   }
-  constexpr std::uint32_t kSides[6][4] = {{0, 1, 3, 2}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 3, 7, 5}};
+  constexpr std::uint32_t kSides[6][4] = {{0, 1, 3, 2}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                          {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 3, 7, 5}};
   for (const auto& side : kSides) {
     mesh.triangles.push_back({side[0], side[1], side[2]});
     mesh.triangles.push_back({side[0], side[2], side[3]});
@@ -103,8 +105,8 @@ Status placeRows(const std::vector<Row>& rows, Generator& random) {
   if (depth_mm > kRowsDepthMm || width_mm > kRowWidthMm) {
     return Status::badUse("the models take " + std::to_string(static_cast<int>(width_mm / 10)) + " x " +
                           std::to_string(static_cast<int>(depth_mm / 10)) + " cm, the table has room for " +
-                          std::to_string(static_cast<int>(kRowWidthMm / 10)) + " x " + std::to_string(static_cast<int>(kRowsDepthMm / 10)) +
-                          "; take fewer, or smaller --sizes");
+                          std::to_string(static_cast<int>(kRowWidthMm / 10)) + " x " +
+                          std::to_string(static_cast<int>(kRowsDepthMm / 10)) + "; take fewer, or smaller --sizes");
   }
   float y_mm = depth_mm / 2;
   for (const Row& row : rows) {
@@ -130,8 +132,10 @@ Placement drawCamera(Generator& random) {
 Result<TableScene> setTable(const std::vector<Prop>& props, std::uint64_t seed) {
   Generator random(seed);
   std::vector<Standing> standing;
-  for (std::size_t i = 0; i < props.size(); ++i) standing.push_back(stand(props[i], i, between(random, 0, 360) * kDegree));
-  std::stable_sort(standing.begin(), standing.end(), [](const Standing& a, const Standing& b) { return a.height_mm > b.height_mm; });
+  for (std::size_t i = 0; i < props.size(); ++i)
+    standing.push_back(stand(props[i], i, between(random, 0, 360) * kDegree));
+  std::stable_sort(standing.begin(), standing.end(),
+                   [](const Standing& a, const Standing& b) { return a.height_mm > b.height_mm; });
   const Status status = placeRows(fillRows(standing), random);
   if (!status.ok()) return status;
 

@@ -13,8 +13,8 @@ namespace voxid::cli {
 /// A mesh that is to stand on the table.
 struct Prop {
   Mesh mesh;
-  bool y_up = true;      ///< else z
-  double size_mm = 0;    ///< largest extent of its box as it stands
+  bool y_up = true;    ///< else z
+  double size_mm = 0;  ///< largest extent of its box as it stands
 };
 
 /// A table 1.2 x 0.8 m, its frame: x right, y away from the camera, z up, origin in the middle of its top; millimetres.

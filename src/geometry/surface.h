@@ -20,7 +20,8 @@ struct Run {
 /// visit(run) for the runs of ascending pixels, in images of that width.
 template <typename Visit>
 void visitRuns(Span<const std::uint32_t> pixels, std::uint32_t width, Visit visit) {
-  constexpr std::size_t kStride = 16;  // runs are long: as pixels ascend, one far pixel in its place tells of all before
+  constexpr std::size_t kStride =
+      16;  // runs are long: as pixels ascend, one far pixel in its place tells of all before
   for (std::size_t i = 0; i < pixels.size;) {
     const std::uint32_t begin = pixels[i];
     const std::size_t most = std::min<std::size_t>(pixels.size - i, width - begin % width);

@@ -9,7 +9,7 @@
 namespace voxid {
 namespace {
 
-constexpr int kStarts = 5;           // views and rolls sketched of each model
+constexpr int kStarts = 5;  // views and rolls sketched of each model
 constexpr std::size_t kPosedModels = 2, kPosedSketches = 2;
 
 /// A damaged file may lead nowhere; `verify` says where.
@@ -62,8 +62,8 @@ std::vector<Compared> compare(const Index& index, const std::vector<SketchedMode
   for (const SketchedModel& candidate : candidates) {
     const std::uint32_t category = categoryOfModel(index, candidate.model);
     const Neighbour view{candidate.view, candidate.distance};
-    const auto known = std::find_if(compared.begin(), compared.end(),
-                                    [&](const Compared& c) { return c.category == category; });
+    const auto known =
+        std::find_if(compared.begin(), compared.end(), [&](const Compared& c) { return c.category == category; });
     if (known == compared.end()) {
       compared.push_back({category, view, &candidate});
       continue;
@@ -150,9 +150,9 @@ Answer AlignedNaming::name(const Nearest& nearest, const std::vector<SketchedMod
   const std::vector<double> chances = chancesOf(compared, weights.among);
   answer.count = 0;
   for (std::size_t i = 0; i < std::min<std::size_t>(compared.size(), Answer::kMaxAlternatives); ++i) {
-    answer.alternatives[static_cast<std::size_t>(answer.count++)] = {
-        compared[i].category, compared[i].best->view, compared[i].best->distance,
-        static_cast<std::uint16_t>(1000 * chances[i])};
+    answer.alternatives[static_cast<std::size_t>(answer.count++)] = {compared[i].category, compared[i].best->view,
+                                                                     compared[i].best->distance,
+                                                                     static_cast<std::uint16_t>(1000 * chances[i])};
   }
   appendOthers(*index_, nearest, answer);
   answer.score_permille = answer.alternatives[0].score_permille;
@@ -171,8 +171,8 @@ AlignedNaming::Posed AlignedNaming::pose(const std::vector<SketchedModel>& candi
   Posed best;
   for (std::size_t i = 0; i < std::min(kPosedModels, fitting.size()); ++i) {
     const SketchedModel& model = *fitting[i];
-    const Alignment alignment = aligner_.finish(
-        model.shelved->model, {model.sketches.data(), std::min(kPosedSketches, model.sketches.size())});
+    const Alignment alignment =
+        aligner_.finish(model.shelved->model, {model.sketches.data(), std::min(kPosedSketches, model.sketches.size())});
     if (!alignment.found || (best.alignment.found && best.alignment.misfit <= alignment.misfit)) continue;
     best = {&model, alignment};
   }

@@ -27,18 +27,23 @@ namespace fs = std::filesystem;
 
 Status check(const BuildOptions& options) {
   const auto range = [](const char* what, int found, int most) {
-    return Status::badUse(std::string(what) + " is " + std::to_string(found) + ", expected 1 to " + std::to_string(most));
+    return Status::badUse(std::string(what) + " is " + std::to_string(found) + ", expected 1 to " +
+                          std::to_string(most));
   };
   if (options.jobs < 1 || options.jobs > 1024) return range("the number of jobs", options.jobs, 1024);
-  if (options.views_every < 1 || options.views_every > kDirections) return range("views-every", options.views_every, kDirections);
-  if (options.out.empty() || fs::path(options.out).filename().empty()) return Status::badUse("'" + options.out + "' names no index file");
+  if (options.views_every < 1 || options.views_every > kDirections)
+    return range("views-every", options.views_every, kDirections);
+  if (options.out.empty() || fs::path(options.out).filename().empty())
+    return Status::badUse("'" + options.out + "' names no index file");
   return {};
 }
 
 class Builder {
  public:
   Builder(const BuildOptions& options, BuildListener& listener)
-      : options_(options), listener_(listener), whole_(options.profile, {viewDirections().begin(), viewDirections().end()}, options.out) {}
+      : options_(options),
+        listener_(listener),
+        whole_(options.profile, {viewDirections().begin(), viewDirections().end()}, options.out) {}
 
   Result<BuildReport> build() {
     Status status = check(options_);
@@ -46,7 +51,9 @@ class Builder {
     Result<ModelFolder> folder = listModels(options_.models);
     if (!folder.ok()) return folder.status;
     folder_ = std::move(folder.value);
-    if (folder_.models.empty()) return nothing("no mesh in " + options_.models + "; expected <category>/<model>.ply, .obj, ...; see doc/build.md");
+    if (folder_.models.empty())
+      return nothing("no mesh in " + options_.models +
+                     "; expected <category>/<model>.ply, .obj, ...; see doc/build.md");
     status = parts_.open(options_.out, options_.resume);
     if (status.ok()) status = renderModels(work(), refused_);
     if (status.ok()) status = merge();
@@ -60,10 +67,12 @@ class Builder {
   Result<BuildReport> buildPart(const BuildPart& part) {
     Status status = check(options_);
     if (!status.ok()) return status;
-    if (part.parts < 1 || part.part < 0 || part.part >= part.parts) return Status::badUse("there is no such part; expected 0 to parts - 1");
+    if (part.parts < 1 || part.part < 0 || part.part >= part.parts)
+      return Status::badUse("there is no such part; expected 0 to parts - 1");
     Result<ModelFolder> folder = listModels(options_.models);
     if (!folder.ok()) return folder.status;
-    for (std::size_t i = static_cast<std::size_t>(part.part); i < folder.value.models.size(); i += static_cast<std::size_t>(part.parts)) {
+    for (std::size_t i = static_cast<std::size_t>(part.part); i < folder.value.models.size();
+         i += static_cast<std::size_t>(part.parts)) {
       folder_.models.push_back(std::move(folder.value.models[i]));
     }
     status = parts_.join(options_.out);
@@ -105,7 +114,9 @@ class Builder {
     choice.keep_surface = options_.keep_surfaces;
     return choice;
   }
-  ShardOrigin originOf(const ModelFile& model) const { return voxid::originOf(model, parametersOf(options_.profile), choice()); }
+  ShardOrigin originOf(const ModelFile& model) const {
+    return voxid::originOf(model, parametersOf(options_.profile), choice());
+  }
   std::string shardOf(const ModelFile& model) const { return shardPath(parts_.path(), model); }
 
   // Reads one finished model after another.
@@ -121,7 +132,9 @@ class Builder {
     }
     report_.categories = static_cast<int>(taught_.size());
     report_.models = static_cast<int>(whole_.models());
-    if (report_.models == 0) return nothing("no model of " + options_.models + " can be used; the first: " + report_.skipped[0].model + ": " + report_.skipped[0].reason);
+    if (report_.models == 0)
+      return nothing("no model of " + options_.models + " can be used; the first: " + report_.skipped[0].model + ": " +
+                     report_.skipped[0].reason);
     return {};
   }
 
@@ -144,8 +157,9 @@ class Builder {
       refused_[static_cast<int>(number)] = shard.value.refusal;
       return {};
     }
-    ModelRecord model{file.category, file.name, file.licence, file.origin, file.synset, std::move(shard.value.views), file.sense, file.hypernyms,
-                      std::move(shard.value.surface)};
+    ModelRecord model{file.category, file.name,      file.licence,
+                      file.origin,   file.synset,    std::move(shard.value.views),
+                      file.sense,    file.hypernyms, std::move(shard.value.surface)};
     if (options_.profile.projection) shrinkToMean(codesIn(model.views), options_.profile.codeBytes());
     report_.views += static_cast<int>(model.views.size());
     taught_.insert(file.category);
@@ -154,7 +168,9 @@ class Builder {
   }
 
   Status finish() {
-    const auto learn = [this](const std::shared_ptr<const Index>& index) { return calibrate(index, calibration_queries_); };
+    const auto learn = [this](const std::shared_ptr<const Index>& index) {
+      return calibrate(index, calibration_queries_);
+    };
     const auto learnt = writeWithConfidence(whole_, learn, parts_.path() + "/draft.vxi", options_.out);
     if (!learnt.ok()) return learnt.status;
     std::error_code ignored;
@@ -177,7 +193,9 @@ class Builder {
 
 }  // namespace
 
-Result<BuildReport> buildIndex(const BuildOptions& options, BuildListener& listener) { return Builder(options, listener).build(); }
+Result<BuildReport> buildIndex(const BuildOptions& options, BuildListener& listener) {
+  return Builder(options, listener).build();
+}
 
 Result<BuildReport> buildPart(const BuildOptions& options, const BuildPart& part, BuildListener& listener) {
   return Builder(options, listener).buildPart(part);

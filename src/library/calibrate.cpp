@@ -41,15 +41,15 @@ struct Pool {
 };
 
 /// right / asked of `a` above that of `b`.
-bool higher(const Pool& a, const Pool& b) {
-  return std::int64_t{a.right} * b.asked > std::int64_t{b.right} * a.asked;
-}
+bool higher(const Pool& a, const Pool& b) { return std::int64_t{a.right} * b.asked > std::int64_t{b.right} * a.asked; }
 
 std::vector<Pool> poolViolators(const std::vector<int>& right, const std::vector<int>& asked) {
   std::vector<Pool> pools;
   for (std::size_t i = 0; i < asked.size(); ++i) {
     Pool pool{right[i], asked[i], 1};
-    const auto merges = [&] { return !pools.empty() && (pool.asked == 0 || pools.back().asked == 0 || higher(pools.back(), pool)); };
+    const auto merges = [&] {
+      return !pools.empty() && (pool.asked == 0 || pools.back().asked == 0 || higher(pools.back(), pool));
+    };
     while (merges()) {
       const Pool& last = pools.back();
       pool = {last.right + pool.right, last.asked + pool.asked, last.bins + pool.bins};

@@ -15,8 +15,8 @@ struct CalibrationQuery {
   std::vector<std::uint8_t> code;
 };
 
-/// Takes up to 600 of the queries, spread evenly over the categories with at least two models, and searches each exactly
-/// with its own model left out. Fewer than 200 give the built-in curve.
+/// Takes up to 600 of the queries, spread evenly over the categories with at least two models, and searches each
+/// exactly with its own model left out. Fewer than 200 give the built-in curve.
 format::Calibration calibrate(std::shared_ptr<const Index> index, const std::vector<CalibrationQuery>& queries);
 
 /// The share of right ones in each bin, made non-decreasing (pool adjacent violators) with one right and one wrong

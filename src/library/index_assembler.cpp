@@ -106,7 +106,7 @@ struct IndexAssembler::Parts {
   std::vector<format::Direction> directions;
   const std::string path;
   Spool models{path}, views{path}, codes{path}, sketches{path}, means{path};  // MODL, VIEW or VIE4, CODE, SUMS, MEAN
-  Spool surfaces{path}, surface_offsets{path};  // SURF, SURO
+  Spool surfaces{path}, surface_offsets{path};                                // SURF, SURO
   BucketSpool buckets{path};
   std::vector<format::Category> categories;
   std::vector<std::string> category_senses, category_hypernyms;

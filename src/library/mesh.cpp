@@ -57,9 +57,7 @@ double MeshBox::diagonal() const {
   return std::sqrt(sum);
 }
 
-double MeshBox::largestExtent() const {
-  return std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
-}
+double MeshBox::largestExtent() const { return std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]}); }
 
 MeshBox boxOf(const Mesh& mesh) {
   MeshBox box;

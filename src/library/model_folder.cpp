@@ -57,7 +57,8 @@ std::uint32_t synsetOf(const json& note) {
   if (!found->is_string()) return 0;
   std::string digits = found->get<std::string>();
   if (!digits.empty() && digits[0] == 'n') digits.erase(0, 1);
-  const bool offset = !digits.empty() && digits.size() <= 8 && digits.find_first_not_of("0123456789") == std::string::npos;
+  const bool offset =
+      !digits.empty() && digits.size() <= 8 && digits.find_first_not_of("0123456789") == std::string::npos;
   return offset ? static_cast<std::uint32_t>(std::stoul(digits)) : 0;
 }
 
@@ -126,7 +127,8 @@ KnownSynset completed(const std::string& category, KnownSynset synset) {
 /// A category has one synset: the first that one of its models names.
 void shareSynsets(ModelFolder& folder) {
   for (auto first = folder.models.begin(); first != folder.models.end();) {
-    const auto last = std::find_if(first, folder.models.end(), [&](const ModelFile& m) { return m.category != first->category; });
+    const auto last =
+        std::find_if(first, folder.models.end(), [&](const ModelFile& m) { return m.category != first->category; });
     const auto named = std::find_if(first, last, [](const ModelFile& m) { return m.synset != 0; });
     const KnownSynset own = named == last ? KnownSynset{} : KnownSynset{named->synset, named->sense, named->hypernyms};
     const KnownSynset synset = completed(first->category, own);

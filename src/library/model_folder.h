@@ -18,7 +18,7 @@ struct ModelFile {
   std::uint32_t synset = 0;
   std::string sense;      ///< of the category: the synset's name in NLTK's form
   std::string hypernyms;  ///< of the category: from WordNet's root to the synset, as Index::hypernymsOf
-  std::string clash;  ///< not empty: another file of this name was there before
+  std::string clash;      ///< not empty: another file of this name was there before
 };
 
 struct ModelFolder {

@@ -32,7 +32,10 @@ std::size_t bytesOf(const ShelvedModel& model) {
 }  // namespace
 
 Result<std::string> meshOf(const std::string& models, const std::string& name) {
-  if (models.empty()) return Status::cannotDo(name + ": no surface is known: the index keeps none (`voxid build --keep-points`), and no folder of models is given");
+  if (models.empty())
+    return Status::cannotDo(
+        name +
+        ": no surface is known: the index keeps none (`voxid build --keep-points`), and no folder of models is given");
   const fs::path wanted = fs::path(models) / name;
   std::vector<std::string> found;
   std::error_code error;
@@ -55,8 +58,8 @@ Result<std::shared_ptr<const ShelvedModel>> ModelShelf::read(std::uint32_t model
   if (!kept.empty()) {
     const auto surface = KeptSurface::of(kept);
     if (surface) return shelved(surfaceOf(*surface), symmetryOf(*surface));
-    return Status::damaged("the index " + index_->path() + " is damaged: the surface of " +
-                           fullNameOf(*index_, model) + " is not whole; `voxid verify` tells more");
+    return Status::damaged("the index " + index_->path() + " is damaged: the surface of " + fullNameOf(*index_, model) +
+                           " is not whole; `voxid verify` tells more");
   }
   const Result<std::string> path = meshOf(models_, fullNameOf(*index_, model));
   if (!path.ok()) return path.status;

@@ -33,7 +33,8 @@ const ViewRange& rangeOf(int tried) {
   return tried == 0 ? usual : near;
 }
 
-ModelView look(const RayScene& scene, const format::Direction& direction, const std::string& name, std::uint64_t view, int tried) {
+ModelView look(const RayScene& scene, const format::Direction& direction, const std::string& name, std::uint64_t view,
+               int tried) {
   const Imager imager;
   const std::uint64_t number = view * kTries + static_cast<std::uint64_t>(tried);
   const Placement pose = drawPose(direction, imager, rangeOf(tried), seedOf(name, 2 * number));
@@ -44,7 +45,8 @@ ModelView look(const RayScene& scene, const format::Direction& direction, const 
   return seen;
 }
 
-ModelView lookUntilEnough(const RayScene& scene, const format::Direction& direction, const std::string& name, std::uint64_t view) {
+ModelView lookUntilEnough(const RayScene& scene, const format::Direction& direction, const std::string& name,
+                          std::uint64_t view) {
   ModelView best;
   for (int tried = 0; tried < kTries && best.pixels.size() < kEnoughPoints; ++tried) {
     ModelView seen = look(scene, direction, name, view, tried);

@@ -16,10 +16,11 @@ namespace voxid {
 constexpr std::uint32_t kRecipeRevision = 1;
 
 struct ModelViews {
-  std::vector<ViewRecord> views;             ///< by ascending direction
-  std::vector<std::uint8_t> calibration;  ///< code of one more view, from a random direction; empty if it showed nothing
-  std::vector<std::uint8_t> surface;         ///< as Index::surface, empty unless asked for
-  std::string refusal;                    ///< why there are no views
+  std::vector<ViewRecord> views;  ///< by ascending direction
+  std::vector<std::uint8_t>
+      calibration;                    ///< code of one more view, from a random direction; empty if it showed nothing
+  std::vector<std::uint8_t> surface;  ///< as Index::surface, empty unless asked for
+  std::string refusal;                ///< why there are no views
 };
 
 /// Each view's code.

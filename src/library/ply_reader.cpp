@@ -36,8 +36,9 @@ Type typeNamed(const std::string& name) {
     const char *old_name, *new_name;
     Type type;
   };
-  constexpr Named kTypes[] = {{"char", "int8", Type::I8},    {"uchar", "uint8", Type::U8},     {"short", "int16", Type::I16},
-                              {"ushort", "uint16", Type::U16}, {"int", "int32", Type::I32},     {"uint", "uint32", Type::U32},
+  constexpr Named kTypes[] = {{"char", "int8", Type::I8},      {"uchar", "uint8", Type::U8},
+                              {"short", "int16", Type::I16},   {"ushort", "uint16", Type::U16},
+                              {"int", "int32", Type::I32},     {"uint", "uint32", Type::U32},
                               {"float", "float32", Type::F32}, {"double", "float64", Type::F64}};
   for (const Named& t : kTypes) {
     if (name == t.old_name || name == t.new_name) return t.type;
@@ -66,7 +67,8 @@ struct Element {
   /// The least that one row takes, so that a count can be held against what is left of the file.
   std::uint64_t leastRowBytes(Encoding encoding) const {
     std::uint64_t bytes = 0;
-    for (const Property& p : properties) bytes += encoding == Encoding::Ascii ? 2 : sizeOf(p.isList() ? p.count_type : p.type);
+    for (const Property& p : properties)
+      bytes += encoding == Encoding::Ascii ? 2 : sizeOf(p.isList() ? p.count_type : p.type);
     return bytes;
   }
 };
@@ -184,15 +186,24 @@ class Body {
 
   static double decode(Type type, const unsigned char* bytes) {
     switch (type) {
-      case Type::I8: return as<std::int8_t>(bytes);
-      case Type::U8: return as<std::uint8_t>(bytes);
-      case Type::I16: return as<std::int16_t>(bytes);
-      case Type::U16: return as<std::uint16_t>(bytes);
-      case Type::I32: return as<std::int32_t>(bytes);
-      case Type::U32: return as<std::uint32_t>(bytes);
-      case Type::F32: return as<float>(bytes);
-      case Type::F64: return as<double>(bytes);
-      case Type::None: break;
+      case Type::I8:
+        return as<std::int8_t>(bytes);
+      case Type::U8:
+        return as<std::uint8_t>(bytes);
+      case Type::I16:
+        return as<std::int16_t>(bytes);
+      case Type::U16:
+        return as<std::uint16_t>(bytes);
+      case Type::I32:
+        return as<std::int32_t>(bytes);
+      case Type::U32:
+        return as<std::uint32_t>(bytes);
+      case Type::F32:
+        return as<float>(bytes);
+      case Type::F64:
+        return as<double>(bytes);
+      case Type::None:
+        break;
     }
     return 0;
   }
@@ -233,7 +244,8 @@ Status addElement(std::istringstream& words, Header& header) {
   Element element;
   std::string count;
   words >> element.name >> count;
-  const bool digits = !count.empty() && count.size() <= 18 && count.find_first_not_of("0123456789") == std::string::npos;
+  const bool digits =
+      !count.empty() && count.size() <= 18 && count.find_first_not_of("0123456789") == std::string::npos;
   if (!digits) return damaged("element '" + element.name + "' counted by '" + count.substr(0, 40) + "'");
   element.count = std::stoull(count);
   header.elements.push_back(element);
@@ -244,10 +256,14 @@ Status setFormat(std::istringstream& words, Header& header) {
   std::string encoding, version;
   words >> encoding >> version;
   if (version != "1.0") return unsupported("version '" + version.substr(0, 40) + "' instead of 1.0");
-  if (encoding == "ascii") header.encoding = Encoding::Ascii;
-  else if (encoding == "binary_little_endian") header.encoding = Encoding::Little;
-  else if (encoding == "binary_big_endian") header.encoding = Encoding::Big;
-  else return unsupported("unknown encoding '" + encoding.substr(0, 40) + "'");
+  if (encoding == "ascii")
+    header.encoding = Encoding::Ascii;
+  else if (encoding == "binary_little_endian")
+    header.encoding = Encoding::Little;
+  else if (encoding == "binary_big_endian")
+    header.encoding = Encoding::Big;
+  else
+    return unsupported("unknown encoding '" + encoding.substr(0, 40) + "'");
   return {};
 }
 
@@ -273,7 +289,8 @@ bool takeLine(const char*& at, const char* end, std::string& line) {
 }
 
 Result<Header> readHeader(const MappedFile& file) {
-  const bool ply = file.size() >= 4 && std::memcmp(file.begin(), "ply", 3) == 0 && (file.begin()[3] == '\n' || file.begin()[3] == '\r');
+  const bool ply = file.size() >= 4 && std::memcmp(file.begin(), "ply", 3) == 0 &&
+                   (file.begin()[3] == '\n' || file.begin()[3] == '\r');
   if (!ply) return damaged("does not begin with 'ply'");
   const char* at = file.begin();
   const char* const end = at + std::min(file.size(), kMaxHeaderBytes);
@@ -291,7 +308,8 @@ Result<Header> readHeader(const MappedFile& file) {
 }
 
 Status cutInside(const Element& element, std::uint64_t row) {
-  return damaged("cut, or no number, in " + element.name + " " + std::to_string(row) + " of " + std::to_string(element.count));
+  return damaged("cut, or no number, in " + element.name + " " + std::to_string(row) + " of " +
+                 std::to_string(element.count));
 }
 
 void skipRest(Body& body, const Property& property) {
@@ -308,8 +326,10 @@ Status readVertices(const Element& element, Body& body, Mesh& mesh) {
     Mesh::Vertex vertex{};
     for (int i = 0; i < static_cast<int>(element.properties.size()); ++i) {
       const int* const axis = std::find(axes, axes + 3, i);
-      if (axis == axes + 3) skipRest(body, element.properties[i]);
-      else vertex[axis - axes] = static_cast<float>(body.next(element.properties[i].type));
+      if (axis == axes + 3)
+        skipRest(body, element.properties[i]);
+      else
+        vertex[axis - axes] = static_cast<float>(body.next(element.properties[i].type));
     }
     if (body.failed()) return cutInside(element, row);
     mesh.vertices.push_back(vertex);
@@ -338,8 +358,10 @@ Status readFaces(const Element& element, Body& body, Mesh& mesh) {
   if (corners < 0 || !element.properties[corners].isList()) return damaged("its faces have no list vertex_indices");
   for (std::uint64_t row = 0; row < element.count; ++row) {
     for (int i = 0; i < static_cast<int>(element.properties.size()); ++i) {
-      if (i == corners) readPolygon(element.properties[i], body, mesh);
-      else skipRest(body, element.properties[i]);
+      if (i == corners)
+        readPolygon(element.properties[i], body, mesh);
+      else
+        skipRest(body, element.properties[i]);
     }
     if (body.failed()) return cutInside(element, row);
   }
@@ -359,8 +381,8 @@ Status readElement(const Element& element, Encoding encoding, Body& body, Mesh& 
   // The last value of an ascii file may lack its white space.
   const std::uint64_t left = body.left() + (encoding == Encoding::Ascii ? 1 : 0);
   if (row_bytes > 0 && element.count > left / row_bytes) {
-    return damaged("its header promises " + std::to_string(element.count) + " of " + element.name + ", " + std::to_string(body.left()) +
-                   " bytes are left");
+    return damaged("its header promises " + std::to_string(element.count) + " of " + element.name + ", " +
+                   std::to_string(body.left()) + " bytes are left");
   }
   if (element.name == "vertex") return readVertices(element, body, mesh);
   if (element.name == "face") return readFaces(element, body, mesh);

@@ -14,8 +14,8 @@ namespace {
 
 using Eigen::Vector3f;
 
-/// Depths differ between instruction sets in the last digits (measured: avx512, avx2 and sse2 give three answers), so one
-/// is chosen, which every amd64 processor has. One device a process: making one takes milliseconds.
+/// Depths differ between instruction sets in the last digits (measured: avx512, avx2 and sse2 give three answers), so
+/// one is chosen, which every amd64 processor has. One device a process: making one takes milliseconds.
 RTCDevice device() {
   static const RTCDevice only = rtcNewDevice("threads=1,isa=sse2");
   if (only == nullptr) throw std::runtime_error("Embree gives no device");
@@ -25,7 +25,8 @@ RTCDevice device() {
 /// Takes points and directions of the camera's frame to the scene's.
 class ToScene {
  public:
-  explicit ToScene(const Placement& pose) : turn_(pose.rotation.transpose() / pose.scale), camera_(turn_ * -pose.translation) {}
+  explicit ToScene(const Placement& pose)
+      : turn_(pose.rotation.transpose() / pose.scale), camera_(turn_ * -pose.translation) {}
   Vector3f direction(const Vector3f& d) const { return turn_ * d; }
   Vector3f point(const Vector3f& p) const { return turn_ * p + camera_; }
   const Vector3f& camera() const { return camera_; }
@@ -37,12 +38,14 @@ class ToScene {
 
 Vector3f rayThrough(const Camera& camera, const Eigen::Vector2f& point_px) {
   constexpr float kQ16 = 65536;
-  return {(point_px.x() * kQ16 - camera.cx_q16) / camera.fx_q16, (point_px.y() * kQ16 - camera.cy_q16) / camera.fy_q16, 1};
+  return {(point_px.x() * kQ16 - camera.cx_q16) / camera.fx_q16, (point_px.y() * kQ16 - camera.cy_q16) / camera.fy_q16,
+          1};
 }
 
 constexpr std::size_t kPacket = 4;  ///< as wide as SSE2
 
-void setRay(RTCRay4& rays, std::size_t i, const Vector3f& origin, const Vector3f& direction, float nearest, float farthest) {
+void setRay(RTCRay4& rays, std::size_t i, const Vector3f& origin, const Vector3f& direction, float nearest,
+            float farthest) {
   rays.org_x[i] = origin.x();
   rays.org_y[i] = origin.y();
   rays.org_z[i] = origin.z();
@@ -101,8 +104,8 @@ RayScene& RayScene::operator=(RayScene&&) noexcept = default;
 
 int RayScene::add(const Mesh& mesh, const Placement& placement) {
   const RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* const vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                                     sizeof(Mesh::Vertex), mesh.vertices.size()));
+  auto* const vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Mesh::Vertex), mesh.vertices.size()));
   auto* const triangles = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
       geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Mesh::Triangle), mesh.triangles.size()));
   if (vertices == nullptr || triangles == nullptr) throw std::bad_alloc();
@@ -119,7 +122,8 @@ int RayScene::add(const Mesh& mesh, const Placement& placement) {
 
 void RayScene::commit() { rtcCommitScene(impl_->scene); }
 
-void RayScene::cast(const Camera& camera, const Placement& pose, Span<const Eigen::Vector2f> points_px, Span<Hit> hits) const {
+void RayScene::cast(const Camera& camera, const Placement& pose, Span<const Eigen::Vector2f> points_px,
+                    Span<Hit> hits) const {
   const ToScene to_scene(pose);
   RTCIntersectContext context = coherentContext();
   for (std::size_t first = 0; first < points_px.size; first += kPacket) {
@@ -138,7 +142,8 @@ void RayScene::cast(const Camera& camera, const Placement& pose, Span<const Eige
   }
 }
 
-void RayScene::findBlocked(const Placement& pose, Span<const Vector3f> from_mm, const Vector3f& to_mm, Span<std::uint8_t> blocked) const {
+void RayScene::findBlocked(const Placement& pose, Span<const Vector3f> from_mm, const Vector3f& to_mm,
+                           Span<std::uint8_t> blocked) const {
   constexpr float kOff = 0.002f;  // of the way, so that the surfaces at its ends do not block
   const ToScene to_scene(pose);
   RTCIntersectContext context = coherentContext();
@@ -162,8 +167,9 @@ PixelBox RayScene::projectedBox(const Imager& imager, const Placement& pose) con
   const Camera& c = imager.camera;
   float low_u = std::numeric_limits<float>::infinity(), low_v = low_u, high_u = -low_u, high_v = -low_u;
   for (int corner = 0; corner < 8; ++corner) {
-    const Vector3f p = pose(Vector3f(corner & 1 ? bounds.upper_x : bounds.lower_x, corner & 2 ? bounds.upper_y : bounds.lower_y,
-                                     corner & 4 ? bounds.upper_z : bounds.lower_z));
+    const Vector3f p =
+        pose(Vector3f(corner & 1 ? bounds.upper_x : bounds.lower_x, corner & 2 ? bounds.upper_y : bounds.lower_y,
+                      corner & 4 ? bounds.upper_z : bounds.lower_z));
     if (p.z() <= 0) return {0, 0, imager.width_px, imager.height_px};
     const float u = (p.x() / p.z() * c.fx_q16 + c.cx_q16) / 65536, v = (p.y() / p.z() * c.fy_q16 + c.cy_q16) / 65536;
     low_u = std::min(low_u, u);
@@ -184,7 +190,8 @@ RenderedView render(const RayScene& scene, const Imager& imager, const Placement
   const PixelBox box = scene.projectedBox(imager, pose);
   std::vector<Eigen::Vector2f> row(static_cast<std::size_t>(box.width));
   for (int v = box.y; v < box.y + box.height; ++v) {
-    for (int i = 0; i < box.width; ++i) row[static_cast<std::size_t>(i)] = Eigen::Vector2f(static_cast<float>(box.x + i), static_cast<float>(v));
+    for (int i = 0; i < box.width; ++i)
+      row[static_cast<std::size_t>(i)] = Eigen::Vector2f(static_cast<float>(box.x + i), static_cast<float>(v));
     Hit* const first = view.hits.data() + static_cast<std::size_t>(v) * imager.width_px + box.x;
     scene.cast(imager.camera, pose, {row.data(), row.size()}, {first, row.size()});
   }

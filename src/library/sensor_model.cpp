@@ -26,7 +26,8 @@ class CorrelatedNoise {
 
   float at(int u, int v) const {
     const int x = (u - box_.x) / cell_px_, y = (v - box_.y) / cell_px_;
-    const float fx = static_cast<float>((u - box_.x) % cell_px_) / cell_px_, fy = static_cast<float>((v - box_.y) % cell_px_) / cell_px_;
+    const float fx = static_cast<float>((u - box_.x) % cell_px_) / cell_px_,
+                fy = static_cast<float>((v - box_.y) % cell_px_) / cell_px_;
     const float* const k = &knots_[static_cast<std::size_t>(y) * columns_ + x];
     const float top = k[0] + fx * (k[1] - k[0]), bottom = k[columns_] + fx * (k[columns_ + 1] - k[columns_]);
     return top + fy * (bottom - top);
@@ -41,8 +42,14 @@ class CorrelatedNoise {
 /// One observation in the making.
 class Sensor {
  public:
-  Sensor(const RayScene& scene, const Imager& imager, const Placement& pose, const SensorParams& params, std::uint64_t seed)
-      : scene_(scene), imager_(imager), pose_(pose), params_(params), random_(seed), box_(scene.projectedBox(imager, pose)),
+  Sensor(const RayScene& scene, const Imager& imager, const Placement& pose, const SensorParams& params,
+         std::uint64_t seed)
+      : scene_(scene),
+        imager_(imager),
+        pose_(pose),
+        params_(params),
+        random_(seed),
+        box_(scene.projectedBox(imager, pose)),
         noise_(box_, params.correlation_px, params.correlated_px, random_) {
     const std::size_t pixels = static_cast<std::size_t>(imager.width_px) * imager.height_px;
     image_.imager = imager;
@@ -66,16 +73,20 @@ class Sensor {
   void measureRow(int v) {
     // Drawn whether needed or not, so that a pixel's noise does not hang on its neighbours' depth.
     for (int i = 0; i < box_.width; ++i) {
-      const float du = random_.between(-params_.jitter_px, params_.jitter_px), dv = random_.between(-params_.jitter_px, params_.jitter_px);
+      const float du = random_.between(-params_.jitter_px, params_.jitter_px),
+                  dv = random_.between(-params_.jitter_px, params_.jitter_px);
       row_.looks_at_px[i] = Eigen::Vector2f(static_cast<float>(box_.x + i) + du, static_cast<float>(v) + dv);
       row_.noise_px[i] = params_.white_px * random_.normal() + noise_.at(box_.x + i, v);
     }
-    scene_.cast(imager_.camera, pose_, {row_.looks_at_px.data(), row_.looks_at_px.size()}, {row_.hits.data(), row_.hits.size()});
+    scene_.cast(imager_.camera, pose_, {row_.looks_at_px.data(), row_.looks_at_px.size()},
+                {row_.hits.data(), row_.hits.size()});
     keepSeenFrontally();
     const std::size_t seen = row_.seen.size();
-    scene_.findBlocked(pose_, {row_.points_mm.data(), seen}, Vector3f(params_.baseline_mm, 0, 0), {row_.shadowed.data(), seen});
+    scene_.findBlocked(pose_, {row_.points_mm.data(), seen}, Vector3f(params_.baseline_mm, 0, 0),
+                       {row_.shadowed.data(), seen});
     for (std::size_t k = 0; k < seen; ++k) {
-      if (row_.shadowed[k] == 0) set(at(box_.x + row_.seen[k], v), row_.hits[row_.seen[k]], row_.noise_px[row_.seen[k]]);
+      if (row_.shadowed[k] == 0)
+        set(at(box_.x + row_.seen[k], v), row_.hits[row_.seen[k]], row_.noise_px[row_.seen[k]]);
     }
   }
 
@@ -88,8 +99,8 @@ class Sensor {
       if (hit.object == 0 || hit.cosine < params_.least_cosine) continue;
       const Eigen::Vector2f& p = row_.looks_at_px[i];
       row_.seen.push_back(i);
-      row_.points_mm.emplace_back((p.x() * 65536 - c.cx_q16) / c.fx_q16 * hit.depth_mm, (p.y() * 65536 - c.cy_q16) / c.fy_q16 * hit.depth_mm,
-                                  hit.depth_mm);
+      row_.points_mm.emplace_back((p.x() * 65536 - c.cx_q16) / c.fx_q16 * hit.depth_mm,
+                                  (p.y() * 65536 - c.cy_q16) / c.fy_q16 * hit.depth_mm, hit.depth_mm);
     }
   }
 
@@ -157,8 +168,10 @@ class Sensor {
   void cutBottom() {
     const std::vector<std::uint32_t> pixels = pixelsInBox();
     if (pixels.empty()) return;
-    const int first = static_cast<int>(pixels.front() / imager_.width_px), last = static_cast<int>(pixels.back() / imager_.width_px);
-    const int rows = static_cast<int>(std::lround(random_.between(params_.cut_least, params_.cut_most) * (last - first + 1)));
+    const int first = static_cast<int>(pixels.front() / imager_.width_px),
+              last = static_cast<int>(pixels.back() / imager_.width_px);
+    const int rows =
+        static_cast<int>(std::lround(random_.between(params_.cut_least, params_.cut_most) * (last - first + 1)));
     for (std::size_t i = at(0, last + 1 - rows); i < at(0, last + 1); ++i) erase(i);
   }
 
@@ -245,13 +258,15 @@ std::vector<std::uint32_t> DepthImage::setPixels() const {
   return pixels;
 }
 
-DepthImage observe(const RayScene& scene, const Imager& imager, const Placement& pose, const SensorParams& params, std::uint64_t seed) {
+DepthImage observe(const RayScene& scene, const Imager& imager, const Placement& pose, const SensorParams& params,
+                   std::uint64_t seed) {
   return Sensor(scene, imager, pose, params, seed).observe();
 }
 
 DepthImage observeClean(const RayScene& scene, const Imager& imager, const Placement& pose) {
   const RenderedView ideal = render(scene, imager, pose);
-  DepthImage image{imager, std::vector<std::uint16_t>(ideal.hits.size()), std::vector<std::uint16_t>(ideal.hits.size())};
+  DepthImage image{imager, std::vector<std::uint16_t>(ideal.hits.size()),
+                   std::vector<std::uint16_t>(ideal.hits.size())};
   for (std::size_t i = 0; i < ideal.hits.size(); ++i) {
     const float depth_mm = std::round(ideal.hits[i].depth_mm);
     if (depth_mm < 1 || depth_mm > 65535) continue;
@@ -261,7 +276,8 @@ DepthImage observeClean(const RayScene& scene, const Imager& imager, const Place
   return image;
 }
 
-Placement drawPose(const format::Direction& direction, const Imager& imager, const ViewRange& range, std::uint64_t seed) {
+Placement drawPose(const format::Direction& direction, const Imager& imager, const ViewRange& range,
+                   std::uint64_t seed) {
   Random random(seed);
   const float diagonal_mm = random.between(range.least_diagonal_mm, range.most_diagonal_mm);
   const float distance_mm = random.between(range.least_distance_mm, range.most_distance_mm);

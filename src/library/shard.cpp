@@ -176,7 +176,8 @@ Result<ModelViews> readShard(const std::string& path, const ShardOrigin& origin)
   Reader in(text, end);
   char magic[sizeof kMagic];
   in.bytes(magic, sizeof magic);
-  if (in.sized<std::string>() != origin.bytes()) return Status::cannotDo(path + " was made of another file or with other settings");
+  if (in.sized<std::string>() != origin.bytes())
+    return Status::cannotDo(path + " was made of another file or with other settings");
   ModelViews views = takeViews(in);
   if (!in.atEnd()) return Status::damaged(path + " is not whole");
   return views;

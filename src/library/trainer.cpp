@@ -152,8 +152,8 @@ class Trainer {
     std::set<std::string> categories;
     for (std::size_t i = 0; i < folder_.models.size(); ++i) {
       const ModelFile& file = folder_.models[i];
-      Result<ModelViews> shard = readShard(shardPath(parts_.path(), file),
-                                           originOf(file, binsParameters(options_.params), choice()));
+      Result<ModelViews> shard =
+          readShard(shardPath(parts_.path(), file), originOf(file, binsParameters(options_.params), choice()));
       const auto died = died_.find(static_cast<int>(i));
       if (!shard.ok()) shard.value.refusal = died == died_.end() ? shard.status.sentence : died->second;
       if (!shard.ok() || shard.value.views.empty()) {

@@ -61,7 +61,8 @@ Directions makeDirections() {
   for (int i = 0; i < 12; ++i) {
     for (int j = i + 1; j < 12; ++j) {
       for (int k = j + 1; k < 12; ++k) {
-        const bool face = neighbours(corners[i], corners[j]) && neighbours(corners[j], corners[k]) && neighbours(corners[k], corners[i]);
+        const bool face = neighbours(corners[i], corners[j]) && neighbours(corners[j], corners[k]) &&
+                          neighbours(corners[k], corners[i]);
         if (!face) continue;
         addFace(corners[i], corners[j], corners[k], &directions[n]);
         n += 4;

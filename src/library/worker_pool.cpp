@@ -23,7 +23,8 @@ constexpr int kPending = -1, kReported = -2, kNoItem = -1;
 /// What the processes share: plain numbers in an anonymous shared mapping.
 class Board {
  public:
-  Board(int items, int jobs) : items_(items), bytes_(sizeof(Head) + sizeof(std::atomic<int>) * static_cast<std::size_t>(items + jobs)) {
+  Board(int items, int jobs)
+      : items_(items), bytes_(sizeof(Head) + sizeof(std::atomic<int>) * static_cast<std::size_t>(items + jobs)) {
     void* const memory = ::mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (memory == MAP_FAILED) throw std::bad_alloc();
     head_ = new (memory) Head;
@@ -96,7 +97,8 @@ class Board {
 
 class Pool {
  public:
-  Pool(int jobs, const PoolWork& work) : work_(work), board_(work.items, jobs), pids_(static_cast<std::size_t>(jobs), 0) {}
+  Pool(int jobs, const PoolWork& work)
+      : work_(work), board_(work.items, jobs), pids_(static_cast<std::size_t>(jobs), 0) {}
 
   Status run() {
     Status status;
@@ -140,7 +142,8 @@ class Pool {
   }
 
   Status replace(std::size_t worker, int ending) {
-    const std::string how = WIFSIGNALED(ending) ? ::strsignal(WTERMSIG(ending)) : "exit code " + std::to_string(WEXITSTATUS(ending));
+    const std::string how =
+        WIFSIGNALED(ending) ? ::strsignal(WTERMSIG(ending)) : "exit code " + std::to_string(WEXITSTATUS(ending));
     const int item = board_.current(static_cast<int>(worker));
     if (item == kNoItem && ++idle_deaths_ > 100) return Status::cannotDo("workers keep dying (" + how + ")");
     if (item != kNoItem && board_.result(item) == kPending) {
@@ -176,6 +179,8 @@ class Pool {
 
 }  // namespace
 
-Status runInProcesses(int jobs, const PoolWork& work) { return Pool(std::max(1, std::min(jobs, work.items)), work).run(); }
+Status runInProcesses(int jobs, const PoolWork& work) {
+  return Pool(std::max(1, std::min(jobs, work.items)), work).run();
+}
 
 }  // namespace voxid

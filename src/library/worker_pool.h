@@ -19,8 +19,8 @@ struct PoolWork {
   std::function<void()> onTick;  ///< some ten times a second
 };
 
-/// Forks `jobs` workers, which take items in ascending order; a worker that dies is replaced. The first refusal, if any.
-/// Workers end with the calling process, however that ends.
+/// Forks `jobs` workers, which take items in ascending order; a worker that dies is replaced. The first refusal, if
+/// any. Workers end with the calling process, however that ends.
 Status runInProcesses(int jobs, const PoolWork& work);
 
 }  // namespace voxid

@@ -12,5 +12,6 @@ int main() {
   voxid::Objects message;
   message.status = static_cast<std::uint8_t>(scene.status);
   std::printf("%s\n", voxid::nameOf(scene.status));
-  return message.status == voxid::Objects::NO_DEPTH && std::strcmp(voxid::nameOf(scene.status), "NO_DEPTH") == 0 ? 0 : 1;
+  return message.status == voxid::Objects::NO_DEPTH && std::strcmp(voxid::nameOf(scene.status), "NO_DEPTH") == 0 ? 0
+                                                                                                                 : 1;
 }

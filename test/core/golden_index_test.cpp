@@ -105,7 +105,7 @@ void expectEachFlipFound(const std::string& golden, std::size_t sparse, std::siz
   test::Folder folder;
   const std::string good = readBytes(golden), path = folder.file("x.vxi");
   constexpr std::size_t kStride = 101;
-  for (std::size_t at = 0; at < good.size(); at += at > sparse && at + kStride < sparse_end ? kStride : 1) {
+  for (std::size_t at = 0; at<good.size(); at += at> sparse && at + kStride < sparse_end ? kStride : 1) {
     std::string bad = good;
     bad[at] = static_cast<char>(bad[at] ^ 0x10);
     test::writeBytes(path, bad);

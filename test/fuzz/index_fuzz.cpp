@@ -20,7 +20,8 @@ using Bytes = std::vector<std::uint8_t>;
 
 void search(const std::shared_ptr<const Index>& index) {
   const std::vector<std::uint8_t> code(index->parameters().code_bytes, 9);
-  for (const SearchParams& params : {SearchParams{true, 0, 0}, SearchParams{false, 4, 2}, SearchParams{false, kKeyBits, 65536}}) {
+  for (const SearchParams& params :
+       {SearchParams{true, 0, 0}, SearchParams{false, 4, 2}, SearchParams{false, kKeyBits, 65536}}) {
     const std::unique_ptr<Search> search = makeSearch(index, params);
     const Answer answer = classify(*index, search->find(code.data()), ClassifyMethod::Vote, 0);
     for (int i = 0; i < answer.count; ++i) {

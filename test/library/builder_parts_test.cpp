@@ -38,13 +38,13 @@ TEST(Random, NormalHasMeanZeroAndDeviationOne) {
 
 TEST(FitCalibration, PoolsWhatFallsAndFillsWhatIsEmpty) {
   std::vector<int> right(32), asked(32);
-  asked[1] = 98, right[1] = 49;   // one half
-  asked[2] = 98, right[2] = 9;    // falls: pooled with the first, 58 of 196
+  asked[1] = 98, right[1] = 49;  // one half
+  asked[2] = 98, right[2] = 9;   // falls: pooled with the first, 58 of 196
   asked[31] = 98, right[31] = 98;
   const format::Calibration c = fitCalibration(right, asked);
   EXPECT_EQ(c.samples, 294u);
   for (int i = 0; i < 31; ++i) EXPECT_EQ(c.score_permille[i], 298) << i;  // (58 + 1) / (196 + 2)
-  EXPECT_EQ(c.score_permille[31], 990);                                 // 99 / 100
+  EXPECT_EQ(c.score_permille[31], 990);                                   // 99 / 100
 }
 
 TEST(FitCalibration, NeverFalls) {

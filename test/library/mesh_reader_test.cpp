@@ -73,24 +73,30 @@ TEST_F(MeshReader, ReadsPlyInAllThreeEncodings) {
 
 TEST_F(MeshReader, SkipsWhatItDoesNotKnowInAPly) {
   const std::string text =
-      "ply\r\nformat ascii 1.0\r\ncomment by nobody\r\nobj_info none\r\nelement material 1\r\nproperty list uchar float shine\r\n"
-      "element face 1\r\nproperty uchar red\r\nproperty list uint8 uint32 vertex_index\r\nproperty list uchar float texcoord\r\n"
-      "element vertex 4\r\nproperty float nx\r\nproperty double z\r\nproperty float64 y\r\nproperty short x\r\nend_header\r\n"
+      "ply\r\nformat ascii 1.0\r\ncomment by nobody\r\nobj_info none\r\nelement material 1\r\nproperty list uchar "
+      "float shine\r\n"
+      "element face 1\r\nproperty uchar red\r\nproperty list uint8 uint32 vertex_index\r\nproperty list uchar float "
+      "texcoord\r\n"
+      "element vertex 4\r\nproperty float nx\r\nproperty double z\r\nproperty float64 y\r\nproperty short "
+      "x\r\nend_header\r\n"
       "2 0.5 1e3\r\n255 4 0 1 2 3 2 .5 .5\r\n1 0 0 0\r\n1 0 0 1\r\n1 0 1 1\r\n1 0 1 0";
   expectSquare(readMesh(write("odd.ply", text)));
 }
 
 TEST_F(MeshReader, RefusesHostileLists) {
   const std::string start = header("ascii") + "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
-  for (const char* const face : {"-1 0 1 2", "1e300 0 1 2", "4294967295 0 1 2", "3 0 1 nan", "3 0 1 -2", "3 0 1", "", "x"}) {
+  for (const char* const face :
+       {"-1 0 1 2", "1e300 0 1 2", "4294967295 0 1 2", "3 0 1 nan", "3 0 1 -2", "3 0 1", "", "x"}) {
     EXPECT_EQ(readPly(write("hostile.ply", start + face)).status.kind, Status::Kind::Damaged) << face;
   }
 }
 
 TEST_F(MeshReader, RefusesHostileHeaders) {
-  for (const char* const text : {"", "ply", "ply\n", "plyx\n", "ply\nelement vertex 99999999999999999999\nend_header\n", "ply\nelement vertex -1\nend_header\n",
-                                 "ply\nproperty float x\nend_header\n", "ply\nelement vertex 1\nproperty list float int x\nend_header\n",
-                                 "ply\nelement vertex 1\nproperty quad x\nend_header\n", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n"}) {
+  for (const char* const text : {"", "ply", "ply\n", "plyx\n", "ply\nelement vertex 99999999999999999999\nend_header\n",
+                                 "ply\nelement vertex -1\nend_header\n", "ply\nproperty float x\nend_header\n",
+                                 "ply\nelement vertex 1\nproperty list float int x\nend_header\n",
+                                 "ply\nelement vertex 1\nproperty quad x\nend_header\n",
+                                 "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n"}) {
     EXPECT_EQ(readPly(write("hostile.ply", text)).status.kind, Status::Kind::Damaged) << text;
   }
 }
@@ -115,7 +121,8 @@ TEST_F(MeshReader, APipeIsNoFileAndIsNotWaitedFor) {
 TEST_F(MeshReader, MemoryBeyondTheLimitIsARefusal) {
   std::string text;
   for (int i = 0; i < 200000; ++i) text += "v " + std::to_string(i) + " 0 1\nv 0 1 " + std::to_string(i) + "\n";
-  for (int i = 1; i < 390000; ++i) text += "f " + std::to_string(i) + " " + std::to_string(i + 1) + " " + std::to_string(i + 2) + "\n";
+  for (int i = 1; i < 390000; ++i)
+    text += "f " + std::to_string(i) + " " + std::to_string(i + 1) + " " + std::to_string(i + 2) + "\n";
   MeshReaderLimits limits;
   limits.memory_bytes = 16 << 20;
   const Result<Mesh> mesh = readByAssimp(write("large.obj", text), limits);

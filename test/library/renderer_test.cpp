@@ -75,7 +75,8 @@ TEST(SensorModel, DepthIsRightOnAverageAndNoisyByAboutAStep) {
 
 TEST(SensorModel, DrawnPosesKeepTheDirectionAndStayInRange) {
   const format::Direction& direction = viewDirections()[17];
-  const Eigen::Vector3f to_camera = Eigen::Vector3f(direction.to_camera[0], direction.to_camera[1], direction.to_camera[2]).normalized();
+  const Eigen::Vector3f to_camera =
+      Eigen::Vector3f(direction.to_camera[0], direction.to_camera[1], direction.to_camera[2]).normalized();
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     const Placement pose = drawPose(direction, Imager(), ViewRange(), seed);
     EXPECT_GE(pose.scale, 120);

@@ -20,7 +20,8 @@ TEST(Views, DirectionsAreUnitVectorsWithUpAcross) {
   }
 }
 
-// The face centres of the once subdivided icosahedron lie at least 16 degrees apart, and every direction has an opposite.
+// The face centres of the once subdivided icosahedron lie at least 16 degrees apart, and every direction has an
+// opposite.
 TEST(Views, DirectionsAreEightyAndSpreadOverTheSphere) {
   const Directions& all = viewDirections();
   for (const format::Direction& a : all) {

@@ -79,7 +79,8 @@ class Index {
   std::string_view categoryName(std::uint32_t category) const {
     return category < categories_.size ? string(categories_[category].name) : std::string_view();
   }
-  /// The category's synset as NLTK names it ("mug.n.04"); empty if not known, or for a number that the index does not have.
+  /// The category's synset as NLTK names it ("mug.n.04"); empty if not known, or for a number that the index does not
+  /// have.
   std::string_view senseOf(std::uint32_t category) const {
     return category < senses_.size ? string(senses_[category]) : std::string_view();
   }

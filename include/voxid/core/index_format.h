@@ -13,7 +13,7 @@ constexpr std::uint16_t kMinor = 1;                                     ///< of 
 constexpr std::uint16_t kMinorSenses = 2;                               ///< of files with SYNS, at least
 constexpr std::uint16_t kMinorConfidence = 2;                           ///< of files with CONF, at least
 constexpr std::uint16_t kMinorHypernyms = 3;                            ///< of files with HYPR, at least
-constexpr std::uint16_t kMinorSurfaces = 5;                            ///< of files with SURO and SURF, at least
+constexpr std::uint16_t kMinorSurfaces = 5;                             ///< of files with SURO and SURF, at least
 constexpr std::uint64_t kAlignment = 64;
 constexpr std::uint32_t kMaxSections = 64;
 
@@ -39,10 +39,10 @@ static_assert(sizeof(Section) == 32, "section entry is 32 bytes");
 
 /// PARM, once: the descriptor's settings.
 struct Parameters {
-  char profile[16];           ///< "paper" or "default", NUL-padded
-  std::uint32_t revision;     ///< of the descriptor's bytes; a change of any output byte raises it
-  std::uint32_t pairs, seed;  ///< DescriptorParams
-  std::uint32_t code_bytes;   ///< bytes a view in CODE
+  char profile[16];                 ///< "paper" or "default", NUL-padded
+  std::uint32_t revision;           ///< of the descriptor's bytes; a change of any output byte raises it
+  std::uint32_t pairs, seed;        ///< DescriptorParams
+  std::uint32_t code_bytes;         ///< bytes a view in CODE
   std::uint32_t projection_crc32c;  ///< of PROJ; zero in "paper"
   std::uint8_t zero[28];
 };
@@ -108,8 +108,8 @@ constexpr std::uint32_t kProjectionVersion = 1;
 
 /// CODE: code_bytes a view, in the order of the views.
 /// MEAN, in "default": code_bytes a category, the mean of its codes, rounded to nearest, halves away from zero.
-/// KEYS: the distinct 52-bit keys ("default": numbers of lists), ascending, 8 bytes each. BKTO: buckets + 1 offsets into BKTV, 4 bytes each.
-/// BKTV: view numbers by bucket, ascending inside a bucket, 4 bytes each.
+/// KEYS: the distinct 52-bit keys ("default": numbers of lists), ascending, 8 bytes each. BKTO: buckets + 1 offsets
+/// into BKTV, 4 bytes each. BKTV: view numbers by bucket, ascending inside a bucket, 4 bytes each.
 
 /// CALB, once: the share of right labels by margin, measured with the query's own model left out.
 struct Calibration {
@@ -124,8 +124,8 @@ static_assert(sizeof(Calibration) == 128, "CALB is 128 bytes");
 /// SYNS, once, or not at all (no category has a sense, or made before format 1.2): 4 bytes a category, in the order of
 /// CATS: offset into STRS of the synset's name as NLTK writes it ("mug.n.04"), 0 = not known.
 
-/// HYPR, once, or not at all (no category has hypernyms, or made before format 1.3): 4 bytes a category, in the order of
-/// CATS: offset into STRS of the synset's path from WordNet's root, the synset itself last, joined by slashes
+/// HYPR, once, or not at all (no category has hypernyms, or made before format 1.3): 4 bytes a category, in the order
+/// of CATS: offset into STRS of the synset's path from WordNet's root, the synset itself last, joined by slashes
 /// ("entity.n.01/.../container.n.01/vessel.n.03/drinking_vessel.n.01/mug.n.04"), 0 = not known.
 
 /// CONF, once, or not at all (an index of few models, or made before format 1.2): how likely an answer is right, as a
@@ -134,8 +134,8 @@ static_assert(sizeof(Calibration) == 128, "CALB is 128 bytes");
 struct Confidence {
   static constexpr int kFeatures = 9;
   static constexpr std::int32_t kUnit = 1 << 20;
-  std::uint32_t samples;  ///< views asked for, at least one
-  std::uint32_t right;    ///< of those that were named rightly by vote: the accuracy to expect
+  std::uint32_t samples;                  ///< views asked for, at least one
+  std::uint32_t right;                    ///< of those that were named rightly by vote: the accuracy to expect
   std::int32_t bias, weights[kFeatures];  ///< log odds in 1/kUnit: bias + sum of weight x feature
   std::uint8_t zero[16];
 };

@@ -60,8 +60,8 @@ class Projection {
 /// Squared Euclidean distance of two codes, at most 64 x 254^2 = 4,129,024.
 std::uint32_t squaredDistance(const std::uint8_t* a, const std::uint8_t* b, std::size_t code_bytes);
 
-/// Writes numbers below 2^24 in size as a code: kCodeLength of them over their own length, rounded towards zero, clamped
-/// to -127 to 127. All zero stay zero.
+/// Writes numbers below 2^24 in size as a code: kCodeLength of them over their own length, rounded towards zero,
+/// clamped to -127 to 127. All zero stay zero.
 void bringToLength(const std::int64_t* numbers, std::size_t count, std::uint8_t* code);
 
 /// A projection to be written, as `voxid train` makes it.

@@ -26,10 +26,10 @@ const char* nameOf(SceneStatus status);  ///< "OK", "NO_DEPTH", ...
 struct Table {
   Eigen::Vector3f normal{0, 0, 0};        ///< unit, from the table towards the camera's side
   float distance_m = 0;                   ///< camera above the plane: normal . p + distance_m = 0 for p on the plane
-  Span<const Eigen::Vector3f> outline_m;  ///< convex hull of the plane's points, on the plane, counter-clockwise seen from
-                                          ///< the camera; at least 3 points
-  std::uint32_t inliers = 0;              ///< pixels on the plane
-  float residual_mm = 0;                  ///< root mean square height of the inliers
+  Span<const Eigen::Vector3f> outline_m;  ///< convex hull of the plane's points, on the plane, counter-clockwise seen
+                                          ///< from the camera; at least 3 points
+  std::uint32_t inliers = 0;  ///< pixels on the plane
+  float residual_mm = 0;      ///< root mean square height of the inliers
 };
 
 struct PixelBox {
@@ -38,13 +38,13 @@ struct PixelBox {
 
 /// One object on the table.
 struct Cluster {
-  int id = 0;                          ///< 1, 2, ... in the order of the first pixel; id in labels and messages
-  Span<const std::uint32_t> pixels;    ///< row * width + column, ascending
+  int id = 0;                        ///< 1, 2, ... in the order of the first pixel; id in labels and messages
+  Span<const std::uint32_t> pixels;  ///< row * width + column, ascending
   PixelBox box_px;
-  Eigen::Vector3f centroid_m{0, 0, 0};  ///< mean of the visible points
-  Eigen::Vector3f box_centre_m{0, 0, 0};///< centre of the oriented box
-  Eigen::Matrix3f axes = Eigen::Matrix3f::Identity();  ///< columns: box axes; the third is the table's normal, the first the
-                                                       ///< longer side in the table's plane; right-handed
+  Eigen::Vector3f centroid_m{0, 0, 0};                 ///< mean of the visible points
+  Eigen::Vector3f box_centre_m{0, 0, 0};               ///< centre of the oriented box
+  Eigen::Matrix3f axes = Eigen::Matrix3f::Identity();  ///< columns: box axes; the third is the table's normal, the
+                                                       ///< first the longer side in the table's plane; right-handed
   Eigen::Vector3f extents_m{0, 0, 0};  ///< along the axes; the third is the height above the table
   bool truncated = false;              ///< touches the image's border or reaches over the table's outline
 };

@@ -8,8 +8,8 @@
 
 namespace voxid {
 
-/// Depth image -> table plane -> what stands on it. Memory is taken at construction and when an image is larger than any
-/// before; otherwise a call allocates nothing. Same view and parameters, same scene. One object a thread.
+/// Depth image -> table plane -> what stands on it. Memory is taken at construction and when an image is larger than
+/// any before; otherwise a call allocates nothing. Same view and parameters, same scene. One object a thread.
 class Segmenter {
  public:
   Segmenter();

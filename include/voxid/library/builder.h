@@ -13,13 +13,14 @@
 namespace voxid {
 
 struct BuildOptions {
-  std::string models;  ///< folder of folders: <category>/<model>.<ext>; links are followed; library.json if there (doc/build.md)
-  std::string out;     ///< the index; what it held before stays readable until the new one is whole
-  int jobs = 1;        ///< worker processes; the bytes of the index do not depend on it
-  bool resume = false;   ///< take what an interrupted build of the same models and settings left in <out>.parts
-  int views_every = 1;   ///< take every n-th of the 80 directions; 4 gives the 20 of the plain icosahedron
+  std::string models;   ///< folder of folders: <category>/<model>.<ext>; links are followed; library.json if there
+                        ///< (doc/build.md)
+  std::string out;      ///< the index; what it held before stays readable until the new one is whole
+  int jobs = 1;         ///< worker processes; the bytes of the index do not depend on it
+  bool resume = false;  ///< take what an interrupted build of the same models and settings left in <out>.parts
+  int views_every = 1;  ///< take every n-th of the 80 directions; 4 gives the 20 of the plain icosahedron
   bool keep_surfaces = false;  ///< each model's surface goes into the index, so that poses need no meshes
-  Profile profile;       ///< that views are described with
+  Profile profile;             ///< that views are described with
   MeshReaderLimits mesh_limits;
 };
 
@@ -29,12 +30,12 @@ struct SkippedModel {
 };
 
 struct BuildReport {
-  int categories = 0, models = 0, views = 0;  ///< in the index
-  std::uint64_t bytes = 0;                    ///< of the index
-  int calibration_samples = 0;                ///< 0: too few models, the built-in curve was taken
+  int categories = 0, models = 0, views = 0;     ///< in the index
+  std::uint64_t bytes = 0;                       ///< of the index
+  int calibration_samples = 0;                   ///< 0: too few models, the built-in curve was taken
   std::optional<format::Confidence> confidence;  ///< empty: too few models to learn how far answers may be trusted
-  std::vector<SkippedModel> skipped;          ///< by name
-  std::vector<std::string> empty_categories;  ///< folders without a readable model, by name
+  std::vector<SkippedModel> skipped;             ///< by name
+  std::vector<std::string> empty_categories;     ///< folders without a readable model, by name
 };
 
 /// What a build says while it runs, from the calling thread.

@@ -21,9 +21,9 @@ using TakeView = std::function<void(const std::string& category, const std::uint
 using ForEachView = std::function<void(const TakeView& take)>;
 
 /// `count` directions along which categories differ most while views inside categories do not (linear discriminant
-/// analysis), best first, each with the weight (between over within)^1/4; what is inside is given `shrinkage` of its mean
-/// variance in every direction. Rows are zero where there are fewer such directions. Floating point: the same machine
-/// gives the same integers.
+/// analysis), best first, each with the weight (between over within)^1/4; what is inside is given `shrinkage` of its
+/// mean variance in every direction. Rows are zero where there are fewer such directions. Floating point: the same
+/// machine gives the same integers.
 IntegerMap learnDiscriminants(const ForEachView& for_each_view, int bins, int count, double shrinkage);
 
 }  // namespace voxid

@@ -47,9 +47,10 @@ format::Calibration builtInCalibration(const Profile& profile);
 
 /// Writes a .vxi file beside `path`, fsyncs and renames: readers see the old file or the new one, whole. The bytes
 /// depend on the content only. Refuses (CannotDo) what a reader could not rely on: no model at all, a model without a
-/// view, two models of one category with the same name, two synsets, senses or paths of hypernyms for one category, an empty category or model
-/// name, views that do not ascend or name no direction, a code of another length, a surface that is not whole, a calibration that falls, a confidence
-/// of no samples, parameters out of range. Nothing is left beside `path` if it fails.
+/// view, two models of one category with the same name, two synsets, senses or paths of hypernyms for one category, an
+/// empty category or model name, views that do not ascend or name no direction, a code of another length, a surface
+/// that is not whole, a calibration that falls, a confidence of no samples, parameters out of range. Nothing is left
+/// beside `path` if it fails.
 Status writeIndex(const IndexContent& content, const std::string& path);
 
 /// A model of an index, `number` below models().size. Damaged if its views lead nowhere.

@@ -28,8 +28,8 @@ struct MeshBox {
 };
 MeshBox boxOf(const Mesh& mesh);
 
-/// Leaves what can be rendered: triangles of finite vertices with an area, and the vertices that they use, in their order.
-/// NothingFound if no triangle is left or the box has no finite size.
+/// Leaves what can be rendered: triangles of finite vertices with an area, and the vertices that they use, in their
+/// order. NothingFound if no triangle is left or the box has no finite size.
 Status keepRenderable(Mesh& mesh);
 
 }  // namespace voxid

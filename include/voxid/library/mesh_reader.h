@@ -10,7 +10,7 @@ namespace voxid {
 
 /// What a mesh file may cost. Above either, the file is refused.
 struct MeshReaderLimits {
-  int seconds = 60;                             ///< for Assimp's process
+  int seconds = 60;                                     ///< for Assimp's process
   std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< address space of Assimp's process beyond its start
 };
 

@@ -25,8 +25,8 @@ struct Imager {
 
 /// What a ray met.
 struct Hit {
-  float depth_mm = 0;       ///< along the optical axis; 0 = nothing
-  float cosine = 0;         ///< between ray and surface normal, without sign: 1 = seen frontally, 0 = grazing
+  float depth_mm = 0;        ///< along the optical axis; 0 = nothing
+  float cosine = 0;          ///< between ray and surface normal, without sign: 1 = seen frontally, 0 = grazing
   std::uint16_t object = 0;  ///< 1 + the number of the mesh in its scene; 0 = nothing
 };
 
@@ -48,7 +48,8 @@ class RayScene {
   /// Neighbouring points go in one call, and fast.
   void cast(const Camera& camera, const Placement& pose, Span<const Eigen::Vector2f> points_px, Span<Hit> hits) const;
   /// Whether a surface lies between each point and a common one, all in the camera's frame, millimetres.
-  void findBlocked(const Placement& pose, Span<const Eigen::Vector3f> from_mm, const Eigen::Vector3f& to_mm, Span<std::uint8_t> blocked) const;
+  void findBlocked(const Placement& pose, Span<const Eigen::Vector3f> from_mm, const Eigen::Vector3f& to_mm,
+                   Span<std::uint8_t> blocked) const;
   /// Pixels that the scene can fall on; the whole image if a part of the scene lies behind the camera.
   PixelBox projectedBox(const Imager& imager, const Placement& pose) const;
 

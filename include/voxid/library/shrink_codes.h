@@ -13,8 +13,8 @@ namespace voxid {
 /// that adding, removing and merging models changes no other code.
 void shrinkToMean(const std::vector<std::uint8_t*>& codes, std::size_t code_bytes);
 
-/// The way back for one code of a model, as far as rounding lets it: what the view was before `codes` (`views` of them, one
-/// after another, already moved) went to their mean. `code` is one of them.
+/// The way back for one code of a model, as far as rounding lets it: what the view was before `codes` (`views` of them,
+/// one after another, already moved) went to their mean. `code` is one of them.
 void takeBackFromMean(const std::uint8_t* codes, std::size_t views, std::size_t code_bytes, std::uint8_t* code);
 
 }  // namespace voxid

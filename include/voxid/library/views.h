@@ -7,8 +7,9 @@
 
 namespace voxid {
 
-/// The directions from which models are rendered (Sec. III): the face centres of an icosahedron whose faces are each cut
-/// into four. Face by face, the middle one of the four first, so every fourth direction gives the plain icosahedron's 20.
+/// The directions from which models are rendered (Sec. III): the face centres of an icosahedron whose faces are each
+/// cut into four. Face by face, the middle one of the four first, so every fourth direction gives the plain
+/// icosahedron's 20.
 constexpr int kDirections = 80;
 using Directions = std::array<format::Direction, kDirections>;
 
