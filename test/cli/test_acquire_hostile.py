@@ -4,6 +4,7 @@ import gzip
 import json
 import os
 import pathlib
+import re
 import shutil
 import signal
 import subprocess
@@ -92,6 +93,15 @@ def test_a_reader_that_dies_or_hangs_is_a_reason(tmp_path, monkeypatch, body, re
     assert time.monotonic() - start < 10
 
 
+def copy_libraries_of(program, folder):
+    """voxid's own, where a build made shared ones: the reader is looked for from where the code lies."""
+    folder.mkdir(exist_ok=True)
+    loaded = subprocess.run(["ldd", program], capture_output=True, text=True, check=True).stdout
+    for library in re.findall(r"=> (\S*/libvoxid_\S+)", loaded):
+        shutil.copy(library, folder)
+    return folder
+
+
 @pytest.mark.parametrize("reader, reason", [(None, "not there"), ("exit 127", "a library is not there")])
 def test_a_voxid_without_its_reader_ends_the_run_and_settles_nothing(folder, tmp_path, reader, reason):
     """A broken installation: bin/voxid and its Python without a lib/voxid/voxid_read_mesh that starts."""
@@ -101,8 +111,10 @@ def test_a_voxid_without_its_reader_ends_the_run_and_settles_nothing(folder, tmp
     (tmp_path / "usr/python").symlink_to(ROOT / "python")
     if reader:
         write_program(tmp_path / "usr/lib/voxid/voxid_read_mesh", reader)
+    libraries = copy_libraries_of(program, tmp_path / "usr/lib")
     words = [program, *arguments(folder, tmp_path / "lib", "--yes")]
-    run = subprocess.run(words, capture_output=True, text=True, timeout=60)
+    run = subprocess.run(words, capture_output=True, text=True, timeout=60,
+                         env={**os.environ, "LD_LIBRARY_PATH": str(libraries)})
     assert run.returncode == 1 and len(run.stderr.splitlines()) == 1, run.stderr
     assert run.stderr.startswith("voxid: cannot start lib/voxid/voxid_read_mesh") and reason in run.stderr
     assert run.stdout == ""
