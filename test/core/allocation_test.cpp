@@ -2,29 +2,14 @@
 // After construction the frame path takes no memory. This binary counts every allocation.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
 #include "core/clouds.h"
 #include "core/index_fixture.h"
 #include "core/projection_fixture.h"
+#include "counted_allocations.h"
 #include "voxid/core/classifier.h"
 #include "voxid/core/encoder.h"
 #include "voxid/core/search.h"
 #include "voxid/core/sketch.h"
-
-namespace {
-std::atomic<int> allocations{0};
-}
-
-void* operator new(std::size_t bytes) {
-  ++allocations;
-  if (void* const memory = std::malloc(bytes)) return memory;
-  std::abort();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace voxid {
 namespace {

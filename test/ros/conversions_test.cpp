@@ -6,13 +6,13 @@
 
 #include <cstring>
 #include <set>
-#include <utility>
 #include <vector>
 
 #include "core/index_fixture.h"
 #include "drawing.h"
 #include "from_lcm.h"
 #include "model_pose.h"
+#include "numbered_messages.h"
 #include "params.h"
 #include "table_scene.h"
 
@@ -21,107 +21,11 @@ namespace {
 
 using test::imageOf;
 using test::infoOf;
+using test::numberedModelPose;
+using test::numberedObject;
+using test::numberedObjects;
 using test::TableScene;
-
-/// A wall straight before the camera, seen at 5 s, and a segment of some of its pixels.
-struct WallScene {
-  WallScene(std::uint16_t wall_mm, int id, std::vector<std::uint32_t> pixels)
-      : image(imageOf(std::vector<std::uint16_t>(320 * 240, wall_mm), ros::Time(5))),
-        depth(viewOf(*image, *infoOf(ros::Time(5))).value) {
-    segments.header = image->header;
-    segments.width = 320;
-    segments.height = 240;
-    segments.segments.resize(1);
-    segments.segments[0].id = id;
-    segments.segments[0].pixels = std::move(pixels);
-  }
-
-  sensor_msgs::ImagePtr image;
-  DepthView depth;
-  Segments segments;
-};
-
-/// No two fields alike, so that none can stand in for another.
-ModelPose numberedModelPose() {
-  ModelPose m;
-  m.status = ModelPose::ALIGNED;
-  m.stamp = ros::Time(1699999999, 987654000);
-  m.label = "cup";
-  m.model = "cup-9";
-  m.pose.pose.position = pointOf({1.5, 2.5, 3.5});
-  m.pose.pose.orientation = quaternionOf(Eigen::Quaterniond(0.8, 0.1, -0.5, 0.3162).normalized());
-  for (int i = 0; i < 36; ++i) m.pose.covariance[i] = 100 + i;
-  m.scale_m = 0.175f;
-  m.scale_deviation_m = 0.004f;
-  m.extents_m = vectorOf({0.11, 0.09, 0.07});
-  m.fit_mm = 1.25f;
-  m.explained = 0.93f;
-  m.free_axis = vectorOf({0.6, 0, 0.8});
-  m.symmetry[0] = 2, m.symmetry[1] = 0, m.symmetry[2] = 4;
-  return m;
-}
-
-Object numberedObject() {
-  Object o;
-  o.id = 3;
-  o.number = 70000;
-  o.label = "mug";
-  o.synset = 3797390;
-  o.score = 0.87f;
-  o.distance = 4321;
-  o.margin = 0.25f;
-  for (int i = 0; i < 10; ++i) {
-    Candidate c;
-    c.label = "c" + std::to_string(i);
-    c.synset = 200 + i;
-    c.score = 0.1f * i;
-    c.distance = 100.0f * i;
-    o.alternatives.push_back(c);
-  }
-  o.coarse = "container.n.01";
-  o.coarse_score = 0.96f;
-  o.model = "mug-12";
-  o.view = 42;
-  o.pose.pose.position = pointOf({1, 2, 3});
-  o.pose.pose.orientation = quaternionOf(Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5));
-  for (int i = 0; i < 36; ++i) o.pose.covariance[i] = i;
-  o.extents_m = vectorOf({0.1, 0.2, 0.3});
-  o.shape.type = shape_msgs::SolidPrimitive::CYLINDER;
-  o.shape.dimensions = {0.25, 0.0625};
-  o.shape_pose.position = pointOf({1.1, 2.1, 3.1});
-  o.shape_pose.orientation = quaternionOf(Eigen::Quaterniond(0.7, 0.1, 0.5, -0.5).normalized());
-  o.model_pose = numberedModelPose();
-  o.centroid = pointOf({4, 5, 6});
-  o.box.x_offset = 10, o.box.y_offset = 20, o.box.width = 30, o.box.height = 40;
-  o.points = 777;
-  o.truncated = true;
-  return o;
-}
-
-Objects numberedObjects() {
-  Objects objects;
-  objects.header.stamp = ros::Time(1700000000, 123456789);
-  objects.header.frame_id = "base";
-  objects.status = Objects::NO_INDEX;
-  objects.status_text = "why";
-  objects.table.normal = vectorOf({0, 0, 1});
-  objects.table.distance_m = 0.7f;
-  objects.table.shape.type = shape_msgs::SolidPrimitive::BOX;
-  objects.table.shape.dimensions = {1.2, 0.8, 0.02};
-  objects.table.shape_pose.position = pointOf({7, 8, 9});
-  objects.table.shape_pose.orientation = quaternionOf(Eigen::Quaterniond(0.9, 0.2, 0.3, 0.1).normalized());
-  objects.table.inliers = 45678;
-  objects.table.residual_mm = 0.7f;
-  objects.camera_frame = "eye";
-  objects.index = "kitchen.vxi";
-  objects.dropped = {5, 6, 7};
-  objects.segment_ms = 2.5f;
-  objects.classify_ms = 3.5f;
-  objects.latency_ms = 9.5f;
-  objects.table.outline = {pointOf({0, 0, 0}), pointOf({1, 0, 0}), pointOf({1, 2, 0})};
-  objects.objects = {numberedObject()};
-  return objects;
-}
+using test::WallScene;
 
 TEST(ToLcm, EveryFieldArrivesInLcmOrder) {
   const object_list_t list = toLcm(numberedObjects());
@@ -465,144 +369,6 @@ TEST(Cloud, HasThePointsInMetresWithTheirColour) {
   EXPECT_NEAR(xyz[2], 1.05, 1e-6);
   EXPECT_EQ(bgr[2], colourOf(2)[0]);
   EXPECT_EQ(bgr[0], colourOf(2)[2]);
-}
-
-TEST(Markers, BoxLabelAndOutline) {
-  const Objects objects = numberedObjects();
-  const auto array = markersOf(objects, {});
-  ASSERT_EQ(array.markers.size(), 4u);
-  const auto& outline = array.markers[0];
-  EXPECT_EQ(outline.type, visualization_msgs::Marker::LINE_STRIP + 0);
-  ASSERT_EQ(outline.points.size(), 4u);  // closed
-  EXPECT_EQ(outline.points[3].x, outline.points[0].x);
-  const auto& box = array.markers[1];
-  EXPECT_EQ(box.header.frame_id, "base");
-  EXPECT_EQ(box.ns, "box");
-  EXPECT_EQ(box.id, 3);
-  EXPECT_EQ(box.type, visualization_msgs::Marker::CUBE + 0);
-  EXPECT_EQ(box.pose.position.y, 2);
-  EXPECT_EQ(box.pose.orientation.x, -0.5);
-  EXPECT_EQ(box.scale.z, 0.3);
-  EXPECT_FLOAT_EQ(box.color.r, colourOf(3)[0] / 255.0f);
-  const auto& label = array.markers[2];
-  EXPECT_EQ(label.ns, "label");
-  EXPECT_EQ(label.type, visualization_msgs::Marker::TEXT_VIEW_FACING + 0);
-  EXPECT_EQ(label.text, "mug 87 % (container?)");
-}
-
-TEST(Caption, NamesTheCoarserThingWhereTheLabelIsUnsure) {
-  Object object;
-  EXPECT_EQ(captionOf(object), "?");
-  object.label = "mug";
-  object.score = 0.45f;
-  EXPECT_EQ(captionOf(object), "mug 45 %");
-  object.coarse = "drinking_vessel.n.01";
-  object.coarse_score = 0.8f;
-  EXPECT_EQ(captionOf(object), "mug 45 % (drinking vessel?)");
-  object.label.clear();
-  EXPECT_EQ(captionOf(object), "drinking vessel?");
-  object.label = "mug";
-  object.coarse = "mug.n.04";
-  EXPECT_EQ(captionOf(object), "mug 45 %") << "the same word again says nothing";
-  object.coarse = "container.n.01";
-  object.score = object.coarse_score;
-  EXPECT_EQ(captionOf(object), "mug 80 %") << "nothing else speaks for it";
-}
-
-/// Ends of the lines of one colour, in the marker's frame.
-std::vector<Eigen::Vector3d> endsOf(const visualization_msgs::Marker& marker, float r, float g, float b) {
-  std::vector<Eigen::Vector3d> ends;
-  for (std::size_t i = 0; i < marker.points.size(); ++i) {
-    const std_msgs::ColorRGBA& c = marker.colors[i];
-    if (c.r == r && c.g == g && c.b == b) ends.push_back(eigenOf(marker.points[i]));
-  }
-  return ends;
-}
-
-TEST(Markers, AnAlignedModelIsItsBoxWithItsAxes) {
-  Objects objects = numberedObjects();
-  ModelPose& model = objects.objects[0].model_pose;
-  model.rotation_known = true;
-  const auto marker = markersOf(objects, {}).markers[3];
-  EXPECT_EQ(marker.ns, "model");
-  EXPECT_EQ(marker.id, 3);
-  EXPECT_EQ(marker.type, visualization_msgs::Marker::LINE_LIST + 0);
-  EXPECT_EQ(marker.pose, model.pose.pose);
-  const auto edges = endsOf(marker, 1, 1, 1);
-  ASSERT_EQ(edges.size(), 24u);
-  for (const Eigen::Vector3d& end : edges)
-    EXPECT_LT((end.cwiseAbs() - Eigen::Vector3d(0.055, 0.045, 0.035)).norm(), 1e-12);
-  double length_m = 0;
-  for (std::size_t i = 0; i < edges.size(); i += 2) length_m += (edges[i] - edges[i + 1]).norm();
-  EXPECT_NEAR(length_m, 4 * (0.11 + 0.09 + 0.07), 1e-9);
-  EXPECT_NEAR(endsOf(marker, 0, 1, 0)[1].y(), 0.0875, 1e-6) << "the model's y is green";
-
-  model.rotation_known = false;
-  const auto free = markersOf(objects, {}).markers[3];
-  EXPECT_TRUE(endsOf(free, 0, 1, 0).empty());
-  const auto axis = endsOf(free, 1, 1, 0);
-  ASSERT_EQ(axis.size(), 2u);
-  const Eigen::Vector3d along = eigenOf(free.pose.orientation) * (axis[1] - axis[0]).normalized();
-  EXPECT_LT((along - eigenOf(model.free_axis)).norm(), 1e-6);
-}
-
-TEST(Markers, WhatIsGoneIsDeleted) {
-  const auto deleted = [](const visualization_msgs::MarkerArray& array) {
-    std::set<std::string> names;
-    for (const auto& m : array.markers)
-      if (m.action == visualization_msgs::Marker::DELETE) names.insert(m.ns + std::to_string(m.id));
-    return names;
-  };
-  Objects objects = numberedObjects();
-  const auto all = markersOf(objects, {});
-  EXPECT_TRUE(deleted(markersOf(objects, all)).empty());
-  objects.objects[0].model_pose.status = ModelPose::WAITING;  // it was moved
-  const auto moved = markersOf(objects, all);
-  EXPECT_EQ(deleted(moved), (std::set<std::string>{"model3"}));
-  objects.objects[0].id = 4;
-  EXPECT_EQ(deleted(markersOf(objects, moved)), (std::set<std::string>{"box3", "label3"}));
-  objects.objects.clear();
-  objects.table = {};
-  const auto gone = markersOf(objects, all);
-  EXPECT_EQ(deleted(gone), (std::set<std::string>{"table0", "box3", "label3", "model3"}));
-  EXPECT_TRUE(markersOf(objects, gone).markers.empty()) << "said once";
-}
-
-TEST(Overlay, ColoursTheObjectAndNothingElse) {
-  const WallScene wall(1000, 3, {100 * 320 + 150});
-  const cv::Mat drawing = drawOverlay(wall.depth, wall.segments, numberedObjects());
-  ASSERT_EQ(drawing.type(), CV_8UC3);
-  ASSERT_EQ(drawing.size(), cv::Size(320, 240));
-  const cv::Vec3b object = drawing.at<cv::Vec3b>(100, 150), beside = drawing.at<cv::Vec3b>(100, 151);
-  EXPECT_EQ(beside[0], beside[1]);
-  EXPECT_EQ(beside[1], beside[2]);
-  EXPECT_NEAR(object[2], 0.35 * beside[2] + 0.65 * colourOf(3)[0], 1);
-  EXPECT_EQ(drawing.at<cv::Vec3b>(20 + 39, 10 + 5)[1], colourOf(3)[1]);  // the box's lower edge
-}
-
-TEST(Overlay, DrawsTheTablesOutlineAndWhatWasDroppedWithTheReason) {
-  const auto image = imageOf(std::vector<std::uint16_t>(320 * 240, 1000), ros::Time(5));
-  const DepthView depth = viewOf(*image, *infoOf(ros::Time(5))).value;
-  Segments segments;
-  segments.width = 320;
-  segments.height = 240;
-  // Half a metre to each side at 1.05 m is 125 pixels.
-  for (const auto& [x, y] : {std::pair(-0.5, -0.2), {0.5, -0.2}, {0.5, 0.2}, {-0.5, 0.2}})
-    segments.table.outline.push_back(pointOf({x, y, 1.05}));
-  segments.dropped_clusters.resize(1);
-  segments.dropped_clusters[0].cause = 1;
-  segments.dropped_clusters[0].points = 400;
-  segments.dropped_clusters[0].box.x_offset = 200;
-  segments.dropped_clusters[0].box.y_offset = 150;
-  segments.dropped_clusters[0].box.width = 30;
-  segments.dropped_clusters[0].box.height = 20;
-  const cv::Mat with = drawOverlay(depth, segments, Objects());
-  const cv::Mat without = drawOverlay(depth, Segments(), Objects());
-  EXPECT_GT(with.at<cv::Vec3b>(120, 159 - 125 + 1)[0], 230);  // the outline's left side
-  EXPECT_LT(without.at<cv::Vec3b>(120, 159 - 125 + 1)[0], 200);
-  EXPECT_EQ(with.at<cv::Vec3b>(160, 200)[0], 190);  // the dropped cluster's left side
-  const cv::Rect text(198, 138, 90, 10);
-  EXPECT_GT(cv::norm(with(text), without(text), cv::NORM_L1), 5000);
 }
 
 TEST(Params, ReconfigurableDefaultsAreTheLibrarys) {
