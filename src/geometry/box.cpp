@@ -18,16 +18,39 @@ struct Sums {
   std::int32_t highest_um = 0;
 };
 
-VOXID_VECTORISED void addTo(Sums& sums, const PlanRays::Placed& placed, int count) {
-  Sums s = sums;
-  for (int i = 0; i < count; ++i) {
-    s.x += placed.x_um[i];
-    s.y += placed.y_um[i];
-    s.height += placed.height_um[i];
-    s.highest_um = std::max(s.highest_um, placed.height_um[i]);
+VOXID_VECTORISED Sums sumsOf(const std::int32_t* x_um, const std::int32_t* y_um, const std::int32_t* height_um,
+                             std::size_t count) {
+  std::int64_t x = 0, y = 0, height = 0;
+  std::int32_t highest = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    x += x_um[i];
+    y += y_um[i];
+    height += height_um[i];
+    highest = std::max(highest, height_um[i]);
   }
-  sums = s;
+  return {x, y, height, highest};
 }
+
+/// Takes ascending runs and gives the box around them; at least one.
+class RunsBox {
+ public:
+  explicit RunsBox(int width_px) : width_(static_cast<std::uint32_t>(width_px)), left_(width_) {}
+
+  void add(Run run) {
+    if (right_ == 0) top_ = run.begin / width_;
+    bottom_ = run.begin / width_;
+    const std::uint32_t row_begin = bottom_ * width_;
+    left_ = std::min(left_, run.begin - row_begin);
+    right_ = std::max(right_, run.end - row_begin);
+  }
+  PixelBox box() const {
+    return {static_cast<int>(left_), static_cast<int>(top_), static_cast<int>(right_ - left_),
+            static_cast<int>(bottom_ - top_) + 1};
+  }
+
+ private:
+  std::uint32_t width_, left_, right_ = 0, top_ = 0, bottom_ = 0;
+};
 
 bool touchesBorder(const PixelBox& box, int width_px, int height_px) {
   return box.x == 0 || box.y == 0 || box.x + box.width == width_px || box.y + box.height == height_px;
@@ -36,28 +59,15 @@ bool touchesBorder(const PixelBox& box, int width_px, int height_px) {
 }  // namespace
 
 PixelBox pixelBoxOf(Span<const Run> runs, int width_px) {
-  const auto width = static_cast<std::uint32_t>(width_px);
-  std::uint32_t left = width, right = 0;
-  for (const Run& run : runs) {
-    const std::uint32_t row_begin = run.begin - run.begin % width;
-    left = std::min(left, run.begin - row_begin);
-    right = std::max(right, run.end - row_begin);
-  }
-  const auto top = static_cast<int>(runs[0].begin / width),
-             bottom = static_cast<int>(runs[runs.size - 1].begin / width);
-  return {static_cast<int>(left), top, static_cast<int>(right - left), bottom - top + 1};
+  RunsBox around(width_px);
+  for (const Run& run : runs) around.add(run);
+  return around.box();
 }
 
 PixelBox pixelBoxOf(Span<const std::uint32_t> pixels, int width_px) {
-  const auto width = static_cast<std::uint32_t>(width_px);
-  std::uint32_t left = width, right = 0;
-  visitRuns(pixels, width, [&](Run run) {
-    left = std::min(left, run.begin % width);
-    right = std::max(right, (run.end - 1) % width + 1);
-  });
-  const std::uint32_t top = pixels[0] / width, bottom = pixels[pixels.size - 1] / width;
-  return {static_cast<int>(left), static_cast<int>(top), static_cast<int>(right - left),
-          static_cast<int>(bottom - top) + 1};
+  RunsBox around(width_px);
+  visitRuns(pixels, static_cast<std::uint32_t>(width_px), [&](Run run) { around.add(run); });
+  return around.box();
 }
 
 BoxFitter::BoxFitter() : columns_(kColumns) {
@@ -65,7 +75,21 @@ BoxFitter::BoxFitter() : columns_(kColumns) {
   hull_.resize(4 * kColumns);
 }
 
-void BoxFitter::reserve(std::size_t pixels) { outermost_.reserve(pixels); }
+void BoxFitter::reserve(std::size_t pixels) {
+  placed_.reserve(pixels);
+  outermost_.reserve(pixels);
+}
+
+/// Also the pixel box.
+void BoxFitter::placeAll(const Surface& surface, Cluster& cluster) {
+  RunsBox around(surface.inverse.width_px);
+  placed_.clear(cluster.pixels.size);
+  visitRuns(cluster.pixels, static_cast<std::uint32_t>(surface.inverse.width_px), [&](Run run) {
+    around.add(run);
+    surface.place(run, placed_);
+  });
+  cluster.box_px = around.box();
+}
 
 /// Keeps, in each column of the plan, the lowest and the highest point.
 void BoxFitter::bin(Span<const Point2> points) {
@@ -95,15 +119,9 @@ std::size_t BoxFitter::hull() {
 }
 
 void BoxFitter::fit(const Surface& surface, Cluster& cluster) {
-  outermost_.clear();
-  Sums sums;
-  visitRuns(cluster.pixels, static_cast<std::uint32_t>(surface.inverse.width_px), [&](Run run) {
-    surface.visitPlaced(run, [&](const PlanRays::Placed& placed, int count) {
-      addTo(sums, placed, count);
-      outermost_.add(placed.x_um, placed.y_um, count);
-    });
-  });
-  cluster.box_px = pixelBoxOf(cluster.pixels, surface.inverse.width_px);
+  placeAll(surface, cluster);
+  std::int32_t *const x_um = placed_.x_um.data(), *const y_um = placed_.y_um.data();
+  const Sums sums = sumsOf(x_um, y_um, placed_.height_um.data(), placed_.count);
   cluster.truncated |= touchesBorder(cluster.box_px, surface.inverse.width_px, surface.inverse.height_px);
   const double per_point = 1e-6 / static_cast<double>(cluster.pixels.size);
   cluster.centroid_m = surface.plan
@@ -111,7 +129,7 @@ void BoxFitter::fit(const Surface& surface, Cluster& cluster) {
                                  static_cast<double>(sums.height) * per_point)
                            .cast<float>();
 
-  bin(outermost_.points());
+  bin(outermost_.of(x_um, y_um, placed_.count));
   const std::size_t size = hull();
   const Rectangle r = smallestRectangle({hull_.data(), size});
   const double height_m = sums.highest_um * 1e-6;

@@ -29,10 +29,12 @@ class BoxFitter {
   struct Column {
     Point2 lowest, highest;
   };
+  void placeAll(const Surface& surface, Cluster& cluster);
   void bin(Span<const Point2> points);
   std::size_t hull();
 
-  Outermost outermost_;  // of one cluster, in the plan
+  PlacedPoints placed_;  // of one cluster
+  Outermost outermost_;
   std::vector<Column> columns_;
   std::vector<Point2> sorted_, hull_;
 };

@@ -3,48 +3,22 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <numeric>
 #include <utility>
 
-#include "../core/vectorised.h"
+#include "flags.h"
 
 namespace voxid {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffff;
-constexpr std::uint8_t kLinked = 2;  ///< of AboveTable's states
-constexpr std::uint32_t kColumnsAtOnce = 64;
-
-/// First pixel from u on that is not linked to the one before; at the latest the zeros behind the row.
-int endOfLinked(const std::uint8_t* states, int u) {
-  constexpr std::uint64_t kEightLinked = 0x0202020202020202;
-  for (std::uint64_t eight;; u += static_cast<int>(sizeof eight)) {
-    std::memcpy(&eight, states + u, sizeof eight);
-    if (eight != kEightLinked) break;
-  }
-  while (states[u] == kLinked) ++u;
-  return u;
-}
-
-/// Whether one of the columns was last above the table some rows before `row`, at most `farthest`, and not in the one
-/// before.
-VOXID_VECTORISED bool anyHole(const std::uint32_t* last_rows, std::uint32_t count, std::uint32_t row,
-                              std::uint32_t farthest) {
-  std::uint32_t any = 0;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const std::uint32_t steps = row - last_rows[i];
-    any |= static_cast<std::uint32_t>((steps > 1) & (steps <= farthest));
-  }
-  return any != 0;
-}
 
 }  // namespace
 
 void Components::reserve(std::size_t pixels, int width_px) {
   const auto width = static_cast<std::size_t>(width_px);
   above_.reserve(width_px, static_cast<int>(pixels / width));
-  states_.reserve(width + sizeof(std::uint64_t));
+  states_.reserve(width + kFlagsAtOnce);
   last_in_column_.reserve(width);
   last_run_in_column_.reserve(width);
   runs_.reserve(pixels);
@@ -99,26 +73,43 @@ void Components::linkAlongRow(const Surface& surface, std::uint32_t run) {
   if (steps > 1 && steps <= farthest_link_ && nearInSpace(surface, here, before)) unite(run, run - 1);
 }
 
-/// The same along each of its columns.
-void Components::linkAlongColumns(const Surface& surface, std::uint32_t run, int v) {
-  const auto width = static_cast<std::uint32_t>(surface.inverse.width_px), row = static_cast<std::uint32_t>(v);
-  const std::uint32_t row_begin = row * width;
-  const std::uint32_t begin = runs_[run].begin - row_begin, end = runs_[run].end - row_begin;
-  std::uint32_t* const last_rows = last_in_column_.data();
-  std::uint32_t* const last_runs = last_run_in_column_.data();
-  for (std::uint32_t first = begin; first < end; first += kColumnsAtOnce) {
-    const std::uint32_t count = std::min(kColumnsAtOnce, end - first);
-    if (!anyHole(last_rows + first, count, row, farthest_link_)) continue;
-    for (std::uint32_t u = first; u < first + count; ++u) {
-      const std::uint32_t steps = row - last_rows[u], pixel = row_begin + u;
-      if (steps > 1 && steps <= farthest_link_ && last_runs[u] != kNone &&
-          nearInSpace(surface, pixel, pixel - steps * width)) {
-        unite(run, last_runs[u]);
-      }
-    }
+/// visit(pixel) for the pixels of a run that none of the runs from `first` to `end` covers, which are of another row,
+/// `shift` pixels before. The first of them ends behind the run's begin.
+template <typename Visit>
+void Components::visitUncovered(Run run, std::uint32_t shift, std::uint32_t first, std::uint32_t end,
+                                Visit visit) const {
+  std::uint32_t pixel = run.begin;
+  for (std::uint32_t other = first; other < end && runs_[other].begin + shift < run.end; ++other) {
+    for (; pixel < runs_[other].begin + shift; ++pixel) visit(pixel);
+    pixel = runs_[other].end + shift;
   }
-  std::fill(last_runs + begin, last_runs + end, run);
-  std::fill(last_rows + begin, last_rows + end, row);
+  for (; pixel < run.end; ++pixel) visit(pixel);
+}
+
+/// The same along those of its columns that had no run one row before.
+void Components::linkAlongColumns(const Surface& surface, std::uint32_t run, int v, std::uint32_t above) {
+  const auto width = static_cast<std::uint32_t>(surface.inverse.width_px), row = static_cast<std::uint32_t>(v);
+  while (above < row_ && runs_[above].end + width <= runs_[run].begin) ++above;
+  visitUncovered(runs_[run], width, above, row_, [&](std::uint32_t pixel) {
+    const std::uint32_t u = pixel - row * width, steps = row - last_in_column_[u];
+    if (steps <= farthest_link_ && last_run_in_column_[u] != kNone &&
+        nearInSpace(surface, pixel, pixel - steps * width)) {
+      unite(run, last_run_in_column_[u]);
+    }
+  });
+}
+
+/// Notes the columns in which runs of the row before v end.
+void Components::endColumns(std::uint32_t width, int v) {
+  const std::uint32_t row_above = static_cast<std::uint32_t>(v) - 1, runs = static_cast<std::uint32_t>(runs_.size());
+  std::uint32_t below = row_;
+  for (std::uint32_t run = row_above_; run < row_; ++run) {
+    while (below < runs && runs_[below].end - width <= runs_[run].begin) ++below;
+    visitUncovered(runs_[run], 0 - width, below, runs, [&](std::uint32_t pixel) {
+      last_in_column_[pixel - row_above * width] = row_above;
+      last_run_in_column_[pixel - row_above * width] = run;
+    });
+  }
 }
 
 /// `above`: first run of the row before that may touch this run or a later one.
@@ -132,30 +123,19 @@ void Components::addRun(const Surface& surface, Run run, int v, std::uint32_t& a
     if (rootOf(upper) != rootOf(number) && touch(surface, run, runs_[upper])) unite(number, upper);
   }
   linkAlongRow(surface, number);
-  linkAlongColumns(surface, number, v);
+  linkAlongColumns(surface, number, v, above);
 }
 
 void Components::addRow(const Surface& surface, int v) {
   const int width = surface.inverse.width_px;
-  const std::int32_t* values = surface.inverse.row(v);
-  const std::uint8_t* states = states_.data();
-  above_.mark(values, v, width, gap_, states_.data());
+  above_.mark(surface.inverse.row(v), v, width, gap_, states_.data());
   const std::uint32_t row_begin = static_cast<std::uint32_t>(v) * static_cast<std::uint32_t>(width);
   std::uint32_t above = row_above_;
-  for (int u = 0; u < width;) {
-    std::uint64_t eight;
-    std::memcpy(&eight, states + u, sizeof eight);
-    if (eight == 0) {
-      u += static_cast<int>(sizeof eight);
-    } else if (states[u] == 0) {
-      ++u;
-    } else {
-      const int begin = u;
-      u = endOfLinked(states, u + 1);
-      addRun(surface, {row_begin + static_cast<std::uint32_t>(begin), row_begin + static_cast<std::uint32_t>(u)}, v,
-             above);
-    }
-  }
+  visitLinked(states_.data(), 0, static_cast<std::size_t>(width), [&](std::size_t begin, std::size_t end) {
+    addRun(surface, {row_begin + static_cast<std::uint32_t>(begin), row_begin + static_cast<std::uint32_t>(end)}, v,
+           above);
+  });
+  endColumns(static_cast<std::uint32_t>(width), v);
 }
 
 void Components::find(const Surface& surface, const SegmentParams& params) {
@@ -165,7 +145,7 @@ void Components::find(const Surface& surface, const SegmentParams& params) {
   gap_ = DepthStep(params.cluster_gap_mm);
   square_gap_um2_ = static_cast<std::int64_t>(params.cluster_gap_mm * 1000) * (params.cluster_gap_mm * 1000);
   farthest_link_ = static_cast<std::uint32_t>(params.bridge_px + 1);
-  states_.assign(width + sizeof(std::uint64_t), 0);
+  states_.assign(width + kFlagsAtOnce, 0);
   last_in_column_.assign(width, 0);
   last_run_in_column_.assign(width, kNone);
   runs_.clear();

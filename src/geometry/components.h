@@ -48,7 +48,10 @@ class Components {
   void addRow(const Surface& surface, int v);
   void addRun(const Surface& surface, Run run, int v, std::uint32_t& above);
   void linkAlongRow(const Surface& surface, std::uint32_t run);
-  void linkAlongColumns(const Surface& surface, std::uint32_t run, int v);
+  void linkAlongColumns(const Surface& surface, std::uint32_t run, int v, std::uint32_t above);
+  void endColumns(std::uint32_t width, int v);
+  template <typename Visit>
+  void visitUncovered(Run run, std::uint32_t shift, std::uint32_t first, std::uint32_t end, Visit visit) const;
   bool touch(const Surface& surface, Run lower, Run upper) const;
   bool nearInSpace(const Surface& surface, std::uint32_t a, std::uint32_t b) const;
   std::uint32_t rootOf(std::uint32_t run);
@@ -64,7 +67,7 @@ class Components {
   std::vector<Run> runs_;                      ///< in the order of the pixels
   std::vector<std::uint32_t> parents_;         // by run
   std::uint32_t row_above_ = 0, row_ = 0;      ///< first run of the row before, and of this one
-  std::vector<std::uint32_t> last_in_column_;  ///< pixel, kNone = none
+  std::vector<std::uint32_t> last_in_column_;  ///< row in which the column was last above the table, before its gap
   std::vector<std::uint32_t> last_run_in_column_;
   std::vector<std::uint32_t> part_of_run_;
   std::vector<Part> parts_;

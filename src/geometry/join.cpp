@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "../core/vectorised.h"
+#include "flags.h"
 
 namespace voxid {
 namespace {
@@ -53,19 +54,13 @@ class Facing {
   std::int32_t nearest_ = 0, farthest_ = 0;
 };
 
-std::uint64_t eightAt(const std::uint8_t* first) {
-  std::uint64_t eight;
-  std::memcpy(&eight, first, sizeof eight);
-  return eight;
-}
-
 VOXID_VECTORISED void orInto(const std::uint8_t* from, int count, std::uint8_t* to) {
   for (int i = 0; i < count; ++i) to[i] = static_cast<std::uint8_t>(to[i] | from[i]);
 }
 
-/// Whole millimetres, at most kHighest_mm.
-VOXID_VECTORISED void toMillimetres(const std::int32_t* heights_um, int count, std::int32_t* heights_mm) {
-  for (int i = 0; i < count; ++i) heights_mm[i] = std::clamp(heights_um[i] / 1000, 0, kHighest_mm);
+/// Makes micrometres whole millimetres, at most kHighest_mm.
+VOXID_VECTORISED void toMillimetres(std::int32_t* heights, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) heights[i] = std::clamp(heights[i] / 1000, 0, kHighest_mm);
 }
 
 /// Directions in the plan: away from the camera's foot through a piece, and to the right of that.
@@ -92,14 +87,12 @@ struct PlanShape {
   std::int64_t sagitta_um = 0;
 };
 
-ViewerAxes axesTowards(Span<const Run> runs, const Surface& surface) {
-  std::int64_t x = 0, y = 0;
-  for (const Run& run : runs) {
-    surface.visitPlaced(run, [&](const PlanRays::Placed& placed, int count) {
-      x = std::accumulate(placed.x_um, placed.x_um + count, x);
-      y = std::accumulate(placed.y_um, placed.y_um + count, y);
-    });
-  }
+ViewerAxes axesTowards(const PlacedPoints& points) {
+  const auto sumOf = [&](const std::vector<std::int32_t>& coordinates) {
+    return std::accumulate(coordinates.begin(), coordinates.begin() + static_cast<std::ptrdiff_t>(points.count),
+                           std::int64_t{0});
+  };
+  const std::int64_t x = sumOf(points.x_um), y = sumOf(points.y_um);
   const double dx = static_cast<double>(x), dy = static_cast<double>(y);
   const double length = std::max(1.0, std::sqrt(dx * dx + dy * dy));
   return {std::llround(dx / length * 32768), std::llround(dy / length * 32768)};
@@ -116,26 +109,22 @@ struct Mean {
 
 /// visit(across, away) in micrometres for each pixel.
 template <typename Visit>
-void visitAlong(Span<const Run> runs, const Surface& surface, const ViewerAxes& axes, Visit visit) {
-  for (const Run& run : runs) {
-    surface.visitPlaced(run, [&](const PlanRays::Placed& placed, int count) {
-      for (int i = 0; i < count; ++i) {
-        visit((axes.away_y_q15 * placed.x_um[i] - axes.away_x_q15 * placed.y_um[i]) >> 15,
-              (axes.away_x_q15 * placed.x_um[i] + axes.away_y_q15 * placed.y_um[i]) >> 15);
-      }
-    });
+void visitAlong(const PlacedPoints& points, const ViewerAxes& axes, Visit visit) {
+  for (std::size_t i = 0; i < points.count; ++i) {
+    visit((axes.away_y_q15 * points.x_um[i] - axes.away_x_q15 * points.y_um[i]) >> 15,
+          (axes.away_x_q15 * points.x_um[i] + axes.away_y_q15 * points.y_um[i]) >> 15);
   }
 }
 
-PlanShape shapeOf(Span<const Run> runs, const Surface& surface, const ViewerAxes& axes) {
+PlanShape shapeOf(const PlacedPoints& points, const ViewerAxes& axes) {
   PlanShape shape;
-  visitAlong(runs, surface, axes, [&](std::int64_t across, std::int64_t away) {
+  visitAlong(points, axes, [&](std::int64_t across, std::int64_t away) {
     shape.across.add(across);
     shape.away.add(away);
   });
   Mean ends, middle;  // the outer and the inner fifths
   const std::int64_t tenth = shape.across.size() / 10 + 1;
-  visitAlong(runs, surface, axes, [&](std::int64_t across, std::int64_t away) {
+  visitAlong(points, axes, [&](std::int64_t across, std::int64_t away) {
     const std::int64_t from_left = across - shape.across.low, from_right = shape.across.high - across;
     if (from_left < tenth || from_right < tenth) ends.add(away);
     if (from_left >= 4 * tenth && from_right >= 4 * tenth) middle.add(away);
@@ -155,6 +144,8 @@ Joiner::Joiner() {
 void Joiner::reserve(std::size_t pixels) {
   piece_.reserve(pixels);
   occupied_.reserve(pixels);
+  heights_um_.reserve(pixels);
+  placed_.reserve(pixels);
 }
 
 void Joiner::takePieces(const Surface& surface, std::size_t fewest, const Components& components) {
@@ -318,11 +309,16 @@ bool Joiner::cutByNearer(int a, int b, int fewest_lines) {
 }
 
 /// A vessel's far wall, seen from inside, is hollow towards the viewer, its near wall bulges.
-bool Joiner::wallsOfVessel(const Piece& far, const Piece& near, const Surface& surface,
-                           const Components& components) const {
-  const Span<const Run> far_runs = components.runsOf(far.part), near_runs = components.runsOf(near.part);
-  const ViewerAxes axes = axesTowards(far_runs, surface);
-  const PlanShape far_shape = shapeOf(far_runs, surface, axes), near_shape = shapeOf(near_runs, surface, axes);
+bool Joiner::wallsOfVessel(const Piece& far, const Piece& near, const Surface& surface, const Components& components) {
+  const auto place = [&](const Piece& piece) {
+    placed_.clear(components.pixelsIn(piece.part));
+    for (const Run& run : components.runsOf(piece.part)) surface.place(run, placed_);
+  };
+  place(far);
+  const ViewerAxes axes = axesTowards(placed_);
+  const PlanShape far_shape = shapeOf(placed_, axes);
+  place(near);
+  const PlanShape near_shape = shapeOf(placed_, axes);
   const Extent across = united(far_shape.across, near_shape.across), away = united(far_shape.away, near_shape.away);
   if (across.size() > kWidestVessel_um || away.size() > kWidestVessel_um) return false;
   if (2 * overlapOf(far_shape.across, near_shape.across) <
@@ -335,17 +331,19 @@ bool Joiner::wallsOfVessel(const Piece& far, const Piece& near, const Surface& s
 int Joiner::topOf(Piece& piece, const Surface& surface, const Components& components) {
   if (piece.top_mm >= 0) return piece.top_mm;
   std::fill(heights_mm_.begin(), heights_mm_.end(), 0);
+  const std::size_t pixels = components.pixelsIn(piece.part);
+  heights_um_.resize(std::max(heights_um_.size(), pixels));
+  std::int32_t* end = heights_um_.data();
   for (const Run& run : components.runsOf(piece.part)) {
-    surface.visitPlaced(run, [&](const PlanRays::Placed& placed, int count) {
-      std::int32_t mm[PlanRays::kMost];
-      toMillimetres(placed.height_um, count, mm);
-      // In turn into two histograms: on a level top each count would wait for the one before.
-      for (int i = 0; i < count; ++i) ++heights_mm_[static_cast<std::size_t>(2 * mm[i] + i % 2)];
-    });
+    surface.heights(run, end);
+    end += run.end - run.begin;
   }
+  toMillimetres(heights_um_.data(), pixels);
+  // In turn into two histograms: on a level top each count would wait for the one before.
+  for (std::size_t i = 0; i < pixels; ++i) ++heights_mm_[2 * static_cast<std::size_t>(heights_um_[i]) + i % 2];
   std::size_t below = 0;
   int top_mm = -1;
-  while (below * 100 < components.pixelsIn(piece.part) * kTopPercentile) {
+  while (below * 100 < pixels * kTopPercentile) {
     const auto bin = static_cast<std::size_t>(2 * ++top_mm);
     below += heights_mm_[bin] + heights_mm_[bin + 1];
   }

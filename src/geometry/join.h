@@ -48,14 +48,16 @@ class Joiner {
   }
   int topOf(Piece& piece, const Surface& surface, const Components& components);
   bool cutByNearer(int a, int b, int fewest_lines);
-  bool wallsOfVessel(const Piece& far, const Piece& near, const Surface& surface, const Components& components) const;
+  bool wallsOfVessel(const Piece& far, const Piece& near, const Surface& surface, const Components& components);
   bool belongTogether(int a, int b, const Surface& surface, const Components& components);
 
   std::vector<Piece> pieces_;           // the first is no piece
   std::vector<std::uint8_t> piece_;     // by pixel
   std::vector<std::uint8_t> occupied_;  // by block of kBlockRows pixels of a column: 0 = they are of no piece
   std::vector<Lines> lines_;
+  std::vector<std::int32_t> heights_um_;   // of one piece's pixels
   std::vector<std::uint32_t> heights_mm_;  // two histograms, interleaved
+  PlacedPoints placed_;                    // of one piece
 };
 
 }  // namespace voxid

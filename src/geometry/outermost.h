@@ -12,17 +12,15 @@
 
 namespace voxid {
 
-/// Points inside the octagon whose corners are the extreme points in eight directions are no corners of the hull: most
-/// points, and several at a time.
+/// Points inside the polygon whose corners are the extreme points in some directions are no corners of the hull: most
+/// points, and several at a time. First it has eight corners, and then, for the few points that are left, sixteen.
 class Outermost {
  public:
   void reserve(std::size_t most);
-  void clear();
-  /// Coordinates below 2^30.
-  void add(const std::int32_t* x, const std::int32_t* y, int count);
 
-  /// Every corner of the hull of what has been added, and few others. Valid until the next call.
-  Span<const Point2> points();
+  /// Every corner of the points' hull, and few others; valid until the next call. Coordinates are below 2^29; what the
+  /// arrays hold afterwards is of no use.
+  Span<const Point2> of(std::int32_t* x, std::int32_t* y, std::size_t count);
 
  private:
   struct Extreme {
@@ -30,10 +28,14 @@ class Outermost {
     std::size_t block;  ///< its first point
   };
 
+  template <std::size_t kFirst>
   std::array<Point2, 8> extremePoints() const;
+  template <std::size_t kCorners>
+  void dropInside(const std::array<Point2, kCorners>& corners);
 
-  std::vector<std::int32_t> x_, y_;
-  std::vector<std::uint8_t> outside_;
+  std::int32_t *x_ = nullptr, *y_ = nullptr;  // the points that are left
+  std::size_t count_ = 0;
+  std::vector<std::uint8_t> outside_;  // by point: 1 = outside the polygon
   std::vector<Point2> outermost_;
 };
 

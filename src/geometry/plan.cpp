@@ -61,14 +61,23 @@ struct PlaceTerms {
   float row_x, row_y, row_height, distance_um;
 };
 
-VOXID_VECTORISED void placeRun(const std::int32_t* inverse, const PlaceTerms& terms, int count,
-                               PlanRays::Placed& placed) {
+VOXID_VECTORISED void placeRun(const std::int32_t* inverse, const PlaceTerms& terms, int count, std::int32_t* x_um,
+                               std::int32_t* y_um, std::int32_t* height_um) {
   const PlaceTerms t = terms;
+#pragma GCC ivdep
   for (int i = 0; i < count; ++i) {
     const float depth_um = static_cast<float>(kUnitsTimesUm) / static_cast<float>(inverse[i]);
-    placed.x_um[i] = static_cast<std::int32_t>(depth_um * (t.x[i] + t.row_x));
-    placed.y_um[i] = static_cast<std::int32_t>(depth_um * (t.y[i] + t.row_y));
-    placed.height_um[i] = static_cast<std::int32_t>(depth_um * (t.height[i] + t.row_height) + t.distance_um);
+    x_um[i] = static_cast<std::int32_t>(depth_um * (t.x[i] + t.row_x));
+    y_um[i] = static_cast<std::int32_t>(depth_um * (t.y[i] + t.row_y));
+    height_um[i] = static_cast<std::int32_t>(depth_um * (t.height[i] + t.row_height) + t.distance_um);
+  }
+}
+
+VOXID_VECTORISED void heightsOfRun(const std::int32_t* inverse, const float* columns, float row, float distance_um,
+                                   int count, std::int32_t* height_um) {
+  for (int i = 0; i < count; ++i) {
+    const float depth_um = static_cast<float>(kUnitsTimesUm) / static_cast<float>(inverse[i]);
+    height_um[i] = static_cast<std::int32_t>(depth_um * (columns[i] + row) + distance_um);
   }
 }
 
@@ -130,6 +139,15 @@ Eigen::Vector3d Plan::lift(double x_m, double y_m, double height_m) const {
   return direction(x_m, y_m) + (height_m - distance_um_ * 1e-6) * axis_[2];
 }
 
+void PlacedPoints::reserve(std::size_t most) {
+  for (auto* coordinates : {&x_um, &y_um, &height_um}) coordinates->reserve(most);
+}
+
+void PlacedPoints::clear(std::size_t room) {
+  for (auto* coordinates : {&x_um, &y_um, &height_um}) coordinates->resize(std::max(coordinates->size(), room));
+  count = 0;
+}
+
 void PlanRays::reserve(int width_px, int height_px) {
   for (auto& columns : columns_) columns.reserve(static_cast<std::size_t>(width_px));
   for (auto& rows : rows_) rows.reserve(static_cast<std::size_t>(height_px));
@@ -147,12 +165,18 @@ void PlanRays::fill(const Rays& rays, const Plan& plan) {
   }
 }
 
-void PlanRays::place(const std::int32_t* inverse, int u, int v, int count, Placed& placed) const {
+void PlanRays::place(const std::int32_t* inverse, int u, int v, int count, PlacedPoints& placed) const {
   const auto row = static_cast<std::size_t>(v);
   placeRun(inverse,
            {columns_[0].data() + u, columns_[1].data() + u, columns_[2].data() + u, rows_[0][row], rows_[1][row],
             rows_[2][row], distance_um_},
-           count, placed);
+           count, placed.x_um.data() + placed.count, placed.y_um.data() + placed.count,
+           placed.height_um.data() + placed.count);
+  placed.count += static_cast<std::size_t>(count);
+}
+
+void PlanRays::heights(const std::int32_t* inverse, int u, int v, int count, std::int32_t* heights_um) const {
+  heightsOfRun(inverse, columns_[2].data() + u, rows_[2][static_cast<std::size_t>(v)], distance_um_, count, heights_um);
 }
 
 void Outline::reserve(int height_px) {

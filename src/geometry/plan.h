@@ -58,19 +58,26 @@ class Plan {
   std::int32_t distance_um_ = 0;
 };
 
+/// Points in the plan, one after the other.
+struct PlacedPoints {
+  std::vector<std::int32_t> x_um, y_um, height_um;  ///< as long as they ever had to be
+  std::size_t count = 0;
+
+  void reserve(std::size_t most);
+  /// No points, and room for some.
+  void clear(std::size_t room);
+};
+
 /// Places many pixels in the plan at a time. In the plan a point is its depth times a sum of a term of its column and
 /// one of its row.
 class PlanRays {
  public:
-  static constexpr int kMost = 64;
-  struct Placed {
-    std::int32_t x_um[kMost], y_um[kMost], height_um[kMost];
-  };
-
   void reserve(int width_px, int height_px);
   void fill(const Rays& rays, const Plan& plan);
-  /// Pixels (u, v) to (u + count - 1, v) with depth; at most kMost.
-  void place(const std::int32_t* inverse, int u, int v, int count, Placed& placed) const;
+  /// Appends the pixels (u, v) to (u + count - 1, v), which must have depth; there must be room.
+  void place(const std::int32_t* inverse, int u, int v, int count, PlacedPoints& placed) const;
+  /// Their heights above the table, micrometres, only.
+  void heights(const std::int32_t* inverse, int u, int v, int count, std::int32_t* heights_um) const;
 
  private:
   std::vector<float> columns_[3], rows_[3];

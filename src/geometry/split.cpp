@@ -11,6 +11,7 @@
 #include "../core/vectorised.h"
 #include "angle.h"
 #include "box.h"
+#include "flags.h"
 #include "split_parts.h"
 
 namespace voxid {
@@ -18,35 +19,6 @@ namespace {
 
 constexpr int kArm = 3;     // cells to either side that a slope is taken over
 constexpr int kAcross = 2;  // cells to either side of a crease at which normals are compared
-
-constexpr std::uint8_t kLinked = 2;  // of markOpen's states
-
-std::uint64_t eightAt(const std::uint8_t* first) {
-  std::uint64_t eight;
-  std::memcpy(&eight, first, sizeof eight);
-  return eight;
-}
-
-/// visit(i) for ascending i where flags[i], 0 or 1, is set.
-template <typename Visit>
-void visitSet(const std::vector<std::uint8_t>& flags, std::size_t first, std::size_t end, Visit visit) {
-  for (std::size_t i = first; i < end;) {
-    if (i + 8 <= end && eightAt(flags.data() + i) == 0) {
-      i += 8;
-      continue;
-    }
-    if (flags[i]) visit(i);
-    ++i;
-  }
-}
-
-/// First from i on that is not linked to the one before; there are eight zeros behind the last.
-std::size_t endOfLinked(const std::vector<std::uint8_t>& open, std::size_t i) {
-  constexpr std::uint64_t kEightLinked = 0x0202020202020202;
-  while (eightAt(open.data() + i) == kEightLinked) i += 8;
-  while (open[i] == kLinked) ++i;
-  return i;
-}
 
 /// What a row of pixels adds to whole cells of two by two pixels.
 VOXID_VECTORISED void addPairs(const std::int32_t* values, int cells, std::int32_t* inverse, std::uint8_t* pixels) {
@@ -223,7 +195,7 @@ void Splitter::reserve(int width_px, int height_px) {
   inverse_.reserve(most);
   for (auto* bytes :
        {&pixels_, &linked_left_, &linked_up_, &left_, &right_, &up_, &down_, &crease_, &piece_, &flags_}) {
-    bytes->reserve(most);
+    bytes->reserve(most + kFlagsAtOnce);
   }
   for (auto* values : {&x_, &y_, &z_, &square_, &slope_u_, &slope_v_}) values->reserve(most);
   for (auto* list : {&queue_, &parents_, &pixels_of_run_}) list->reserve(most);
@@ -324,15 +296,14 @@ void Splitter::unite(std::uint32_t a, std::uint32_t b) {
 
 /// Cells side by side without a step or a crease, each linked to those above it.
 void Splitter::findRuns() {
-  flags_.assign(inverse_.size() + sizeof(std::uint64_t), 0);
+  flags_.assign(inverse_.size() + kFlagsAtOnce, 0);
   markOpen(inverse_.data() + first_, crease_.data() + first_, linked_left_.data() + first_, cells(),
            flags_.data() + first_);
   runs_.clear();
   parents_.clear();
   std::size_t above = 0;
-  visitSet(flags_, first_, end_, [&](std::size_t i) {
-    if (flags_[i] == kLinked) return;
-    addRun({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(endOfLinked(flags_, i + 1))}, above);
+  visitLinked(flags_.data(), first_, end_, [&](std::size_t begin, std::size_t end) {
+    addRun({static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)}, above);
   });
 }
 
@@ -373,7 +344,7 @@ std::uint8_t Splitter::findPieces(std::size_t fewest) {
 void Splitter::growPieces() {
   markFronts(inverse_.data() + first_, piece_.data() + first_, stride(), cells(), flags_.data() + first_);
   queue_.clear();
-  visitSet(flags_, first_, end_, [&](std::size_t i) { queue_.push_back(static_cast<std::uint32_t>(i)); });
+  visitSet(flags_.data(), first_, end_, [&](std::size_t i) { queue_.push_back(static_cast<std::uint32_t>(i)); });
   for (std::size_t k = 0; k < queue_.size(); ++k) {
     const std::size_t i = queue_[k];
     for (const std::size_t next : {i - 1, i + 1, i - columns_, i + columns_}) {
@@ -393,7 +364,7 @@ void Splitter::measureBorders(std::uint8_t count) {
     border.creased += !linked || crease_[a] || crease_[b];
   };
   markBorders(piece_.data() + first_, stride(), cells(), flags_.data() + first_);
-  visitSet(flags_, first_, end_, [&](std::size_t i) {
+  visitSet(flags_.data(), first_, end_, [&](std::size_t i) {
     compare(i, i + 1, linked_left_[i + 1]);
     compare(i, i + columns_, linked_up_[i + columns_]);
   });

@@ -20,15 +20,15 @@ struct Run {
 /// visit(run) for the runs of ascending pixels, in images of that width.
 template <typename Visit>
 void visitRuns(Span<const std::uint32_t> pixels, std::uint32_t width, Visit visit) {
-  constexpr std::size_t kStride =
-      16;  // runs are long: as pixels ascend, one far pixel in its place tells of all before
+  // Runs are long: as pixels ascend, one far pixel in its place tells of all before.
+  constexpr std::size_t kStride = 16;
   for (std::size_t i = 0; i < pixels.size;) {
     const std::uint32_t begin = pixels[i];
     const std::size_t most = std::min<std::size_t>(pixels.size - i, width - begin % width);
     const auto continues = [&](std::size_t k) { return k < most && pixels[i + k] == begin + k; };
     std::size_t last = 0;
     while (continues(last + kStride)) last += kStride;
-    while (continues(last + 1)) ++last;
+    for (std::size_t step = kStride / 2; step > 0; step /= 2) last += continues(last + step) ? step : 0;
     visit(Run{begin, pixels[i + last] + 1});
     i += last + 1;
   }
@@ -53,17 +53,16 @@ struct Surface {
     return rays.point(u, v, depthUmOf(inverse.values[pixel]));
   }
 
-  /// visit(placed, count) for the pixels of the runs, PlanRays::kMost of a row at most at a time.
-  template <typename Visit>
-  void visitPlaced(Run run, Visit visit) const {
-    const int v = row(run.begin), first = static_cast<int>(run.begin) - v * inverse.width_px;
-    const int end = first + static_cast<int>(run.end - run.begin);
-    for (int u = first; u < end; u += PlanRays::kMost) {
-      const int count = std::min(PlanRays::kMost, end - u);
-      PlanRays::Placed placed;
-      plan_rays.place(inverse.row(v) + u, u, v, count, placed);
-      visit(placed, count);
-    }
+  /// Appends a run's points in the plan.
+  void place(Run run, PlacedPoints& placed) const {
+    const int v = row(run.begin), u = static_cast<int>(run.begin) - v * inverse.width_px;
+    plan_rays.place(inverse.row(v) + u, u, v, static_cast<int>(run.end - run.begin), placed);
+  }
+
+  /// Their heights above the table, micrometres.
+  void heights(Run run, std::int32_t* heights_um) const {
+    const int v = row(run.begin), u = static_cast<int>(run.begin) - v * inverse.width_px;
+    plan_rays.heights(inverse.row(v) + u, u, v, static_cast<int>(run.end - run.begin), heights_um);
   }
 };
 

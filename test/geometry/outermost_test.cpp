@@ -25,10 +25,13 @@ std::vector<std::pair<int, int>> hullOf(Points points) {
 }
 
 Points outermostOf(const Points& points) {
+  std::vector<std::int32_t> x, y;
+  for (const Point2& p : points) {
+    x.push_back(p.x);
+    y.push_back(p.y);
+  }
   Outermost outermost;
-  outermost.reserve(points.size());
-  for (const Point2& p : points) outermost.add(&p.x, &p.y, 1);
-  const Span<const Point2> kept = outermost.points();
+  const Span<const Point2> kept = outermost.of(x.data(), y.data(), points.size());
   return {kept.begin(), kept.end()};
 }
 

@@ -67,13 +67,20 @@ TEST(PlanRays, PlacesAsThePlanDoes) {
   plan_rays.fill(rays, plan);
   const std::vector<std::int32_t> inverse(80, static_cast<std::int32_t>(kUnitsTimesUm / 700000));
   for (const int v : {0, 17, 59}) {
-    PlanRays::Placed placed;
-    plan_rays.place(inverse.data() + 16, 16, v, PlanRays::kMost, placed);
-    for (int i = 0; i < PlanRays::kMost; ++i) {
+    PlacedPoints placed;
+    placed.clear(64);
+    plan_rays.place(inverse.data() + 16, 16, v, 60, placed);
+    plan_rays.place(inverse.data() + 76, 76, v, 4, placed);  // goes on behind them
+    ASSERT_EQ(placed.count, 64u);
+    std::vector<std::int32_t> heights_um(64);
+    plan_rays.heights(inverse.data() + 16, 16, v, 64, heights_um.data());
+    EXPECT_EQ(heights_um, placed.height_um);
+    for (int i = 0; i < 64; ++i) {
+      const auto at = static_cast<std::size_t>(i);
       const PointUm p = rays.point(16 + i, v, depthUmOf(inverse[0]));
-      EXPECT_NEAR(placed.x_um[i], plan.project(p).x, 4);
-      EXPECT_NEAR(placed.y_um[i], plan.project(p).y, 4);
-      EXPECT_NEAR(placed.height_um[i], plan.heightUm(p), 4);
+      EXPECT_NEAR(placed.x_um[at], plan.project(p).x, 4);
+      EXPECT_NEAR(placed.y_um[at], plan.project(p).y, 4);
+      EXPECT_NEAR(placed.height_um[at], plan.heightUm(p), 4);
     }
   }
 }
