@@ -43,8 +43,9 @@ Placement placeOf(int frame, std::uint32_t draw) {
 
 /// Of one model: how often the answer was right, over all starts on the circle.
 struct Seen {
-  int by_vote = 0;                                   ///< of one frame
-  std::array<int, kAccumulated.size()> by_memory{};  ///< of so many
+  int by_vote = 0;                                ///< of one frame
+  std::array<int, kAccumulated.size()> next{};    ///< of so many, each 30 degrees after the one before
+  std::array<int, kAccumulated.size()> spread{};  ///< of so many, evenly round the circle
 };
 
 struct ModelPath {
@@ -93,15 +94,21 @@ class Observer {
   }
 
   void goRound(const std::string& category, int start, Seen& seen) {
-    evidence_.clear();
-    std::size_t step = 0;
     seen.by_vote += isRight(found_[static_cast<std::size_t>(start)].answer, category);
-    for (int count = 1; count <= kFrames; ++count) {
-      const Found& found = found_[static_cast<std::size_t>((start + count - 1) % kFrames)];
-      evidence_.add(recogniser_.index(), found.nearest(), found.answer);
-      if (count != kAccumulated[step]) continue;
-      seen.by_memory[step++] += isRight(evidence_.answer(recogniser_.index(), 0, 0), category);
+    for (std::size_t i = 0; i < kAccumulated.size(); ++i) {
+      seen.next[i] += isRightAfter(category, start, kAccumulated[i], 1);
+      seen.spread[i] += isRightAfter(category, start, kAccumulated[i], kFrames / kAccumulated[i]);
     }
+  }
+
+  /// `count` frames of the circle from `start` on, `stride` places apart.
+  bool isRightAfter(const std::string& category, int start, int count, int stride) {
+    evidence_.clear();
+    for (int i = 0; i < count; ++i) {
+      const Found& found = found_[static_cast<std::size_t>((start + i * stride) % kFrames)];
+      evidence_.add(recogniser_.index(), found.nearest(), found.answer);
+    }
+    return isRight(evidence_.answer(recogniser_.index(), 0, 0), category);
   }
 
   bool isRight(const Answer& answer, const std::string& category) const {
@@ -163,7 +170,10 @@ Result<Json> evaluateMemory(const std::shared_ptr<const Index>& index, const Mem
   Seen sum;
   for (const Seen& one : seen.value) {
     sum.by_vote += one.by_vote;
-    for (std::size_t i = 0; i < kAccumulated.size(); ++i) sum.by_memory[i] += one.by_memory[i];
+    for (std::size_t i = 0; i < kAccumulated.size(); ++i) {
+      sum.next[i] += one.next[i];
+      sum.spread[i] += one.spread[i];
+    }
   }
   const double asked = static_cast<double>(models.value.size()) * kFrames;
   Json json{
@@ -171,8 +181,10 @@ Result<Json> evaluateMemory(const std::shared_ptr<const Index>& index, const Mem
   json["rows"] = Json::array();
   for (std::size_t i = 0; i < kAccumulated.size(); ++i) {
     json["rows"].push_back({{"frames", kAccumulated[i]},
-                            {"top1", rounded(100 * sum.by_memory[i] / asked)},
-                            {"minus_vote", rounded(100 * (sum.by_memory[i] - sum.by_vote) / asked)}});
+                            {"top1", rounded(100 * sum.next[i] / asked)},
+                            {"minus_vote", rounded(100 * (sum.next[i] - sum.by_vote) / asked)},
+                            {"spread_top1", rounded(100 * sum.spread[i] / asked)},
+                            {"spread_minus_vote", rounded(100 * (sum.spread[i] - sum.by_vote) / asked)}});
   }
   return json;
 }
@@ -180,9 +192,11 @@ Result<Json> evaluateMemory(const std::shared_ptr<const Index>& index, const Mem
 void printMemory(const Json& result) {
   std::printf("%zu models, each from %d places on a circle; one frame by vote: %.2f %% named rightly\n",
               result["models"].get<std::size_t>(), result["frames"].get<int>(), result["one_frame_vote"].get<double>());
+  std::printf("            next to each other   evenly round the circle\n");
   for (const Json& row : result["rows"]) {
-    std::printf("%3d frames  %6.2f %%  %+6.2f\n", row["frames"].get<int>(), row["top1"].get<double>(),
-                row["minus_vote"].get<double>());
+    std::printf("%3d frames  %6.2f %%  %+6.2f   %6.2f %%  %+6.2f\n", row["frames"].get<int>(),
+                row["top1"].get<double>(), row["minus_vote"].get<double>(), row["spread_top1"].get<double>(),
+                row["spread_minus_vote"].get<double>());
   }
 }
 
