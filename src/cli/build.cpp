@@ -130,16 +130,24 @@ Status distribute(const BuildOptions& options, const DescriptorChoice& choice, c
   return handOver("build", arguments);
 }
 
-Result<BuildReport> runPart(const BuildOptions& options, const std::string& text, BuildListener& listener) {
-  const Result<BuildPart> part = partOf(text);
-  return part.ok() ? buildPart(options, part.value, listener) : part.status;
+Result<BuildReport> buildAllOr(const std::string& part, const BuildOptions& options, BuildListener& listener) {
+  if (part.empty()) return buildIndex(options, listener);
+  const Result<BuildPart> share = partOf(part);
+  return share.ok() ? buildPart(options, share.value, listener) : share.status;
+}
+
+/// The bar has left the terminal when it returns.
+Result<BuildReport> buildWithProgress(const std::string& part, const BuildOptions& options, bool json) {
+  if (json) {
+    JsonListener events;
+    return buildAllOr(part, options, events);
+  }
+  ProgressBar bar;
+  return buildAllOr(part, options, bar);
 }
 
 Status run(const BuildOptions& options, const std::string& part, bool json) {
-  JsonListener events;
-  ProgressBar bar;
-  BuildListener& listener = json ? static_cast<BuildListener&>(events) : bar;
-  const Result<BuildReport> report = part.empty() ? buildIndex(options, listener) : runPart(options, part, listener);
+  const Result<BuildReport> report = buildWithProgress(part, options, json);
   if (!report.ok()) return report.status;
   printSkipped(report.value.skipped);
   printEmpty(report.value);

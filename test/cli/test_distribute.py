@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""voxid build over Dask: the same bytes, also when a worker is killed on the way."""
+"""voxid build over Dask: the same bytes, also when a worker is killed on the way; one line where it cannot be done."""
 import json
 import os
 import pathlib
@@ -11,7 +11,6 @@ import time
 
 import pytest
 
-pytest.importorskip("distributed")
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / os.environ.get("VOXID", pathlib.Path(os.environ.get("VOXID_BUILD", "build")) / "bin" / "voxid")
 sys.path.insert(0, str(ROOT / "python"))
@@ -39,15 +38,20 @@ class Cluster:
         with socket.socket() as free:
             free.bind(("127.0.0.1", 0))
             self.address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
-        self._start("scheduler", "--host", "127.0.0.1", "--port", self.address.rsplit(":", 1)[1], "--no-dashboard")
-        for number in range(workers):
-            self._start("worker", self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard",
-                        "--host", "127.0.0.1", "--local-directory", str(folder / f"worker{number}"))
+        self.scheduler = self._start("scheduler", "--host", "127.0.0.1", "--port", self.address.rsplit(":", 1)[1],
+                                     "--no-dashboard")
+        for _ in range(workers):
+            self.start_worker()
+
+    def start_worker(self):
+        return self._start("worker", self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard", "--host",
+                           "127.0.0.1", "--local-directory", str(self._folder / f"worker{len(self.processes)}"))
 
     def _start(self, *words):
         with open(self._folder / f"{len(self.processes)}.log", "w") as log:
             self.processes.append(subprocess.Popen(["/usr/bin/python3", "-m", "dask", *words], stdout=log, stderr=log,
                                                    cwd=self._folder))
+        return self.processes[-1]
 
     def stop(self):
         for process in reversed(self.processes):
@@ -82,30 +86,83 @@ def test_a_local_cluster_makes_the_same_bytes(voxid, models, out, expected):
     assert [path.name for path in out.parent.iterdir()] == ["index.vxi"]
 
 
+class Build:
+    """`voxid build --scheduler` under way, one model a task, so that there is a way to be killed on."""
+
+    def __init__(self, models, out, cluster):
+        words = ["--models", str(models), "--out", str(out), "--views-every", "1", "--descriptor", "default",
+                 "--scheduler", cluster.address, "--json"]
+        script = (f"import sys; sys.argv[1:] = {[str(PROGRAM), 'build', *words]!r}; from voxid import distribute; "
+                  "distribute.MODELS_A_TASK = 1; import voxid_command; sys.exit(voxid_command.main())")
+        self._out = out
+        self.process = subprocess.Popen(["/usr/bin/python3", "-B", "-c", script], stdout=subprocess.PIPE,
+                                        stderr=subprocess.PIPE, text=True,
+                                        env={**os.environ, "PYTHONPATH": str(ROOT / "python")})
+
+    def wait_for_models(self, count):
+        parts, deadline = pathlib.Path(f"{self._out}.parts"), time.time() + 60
+        while len(list(parts.glob("*.shard"))) < count and self.process.poll() is None and time.time() < deadline:
+            time.sleep(0.005)
+        assert self.process.poll() is None, self.process.communicate()
+
+    def receipts(self):
+        """Those of a build that ended well."""
+        output, error = self.process.communicate(timeout=120)
+        assert self.process.returncode == 0, error
+        events = [json.loads(line) for line in output.splitlines()]
+        return [event for event in events if event["event"] == "part"]
+
+
 def test_a_worker_killed_on_the_way_costs_its_models_once_more(models, out, expected, cluster):
-    """One model a task, so that there is a way to be killed on."""
-    environment = {**os.environ, "PYTHONPATH": str(ROOT / "python")}
-    script = ("from voxid import distribute; distribute.MODELS_A_TASK = 1; "
-              f"distribute.run({str(PROGRAM)!r}, {arguments(models, out, cluster)!r})")
-    build = subprocess.Popen(["/usr/bin/python3", "-B", "-c", script], env=environment, stdout=subprocess.PIPE,
-                             stderr=subprocess.PIPE, text=True)
-    parts, deadline = pathlib.Path(f"{out}.parts"), time.time() + 60
-    while len(list(parts.glob("*.shard"))) < 2 and build.poll() is None and time.time() < deadline:
-        time.sleep(0.005)
-    cluster.processes[1].send_signal(signal.SIGKILL)
-    assert build.poll() is None, build.communicate()
-    output, error = build.communicate(timeout=120)
-    assert build.returncode == 0, error
+    build = Build(models, out, cluster)
+    build.wait_for_models(2)
+    cluster.processes[1].kill()
+    receipts = build.receipts()
     assert out.read_bytes() == expected
-    events = [json.loads(line) for line in output.splitlines()]
-    receipts = [event for event in events if event["event"] == "part"]
     assert sum(receipt["models"] for receipt in receipts) == 7
     assert len(receipts) == len({receipt["part"] for receipt in receipts})
 
 
-def arguments(models, out, cluster):
-    return ["--models", str(models), "--out", str(out), "--views-every", "1", "--descriptor", "default",
-            "--scheduler", cluster.address, "--json"]
+def is_at_work(worker):
+    return any(path.read_text() for path in pathlib.Path(f"/proc/{worker.pid}/task").glob("*/children"))
+
+
+def test_a_worker_that_comes_later_takes_tasks_from_the_busy_one(models, out, expected, tmp_path):
+    cluster = Cluster(tmp_path, 1)
+    try:
+        build = Build(models, out, cluster)
+        build.wait_for_models(1)
+        second, took = cluster.start_worker(), False
+        while build.process.poll() is None and not took:
+            took = is_at_work(second)
+            time.sleep(0.005)
+        assert len(build.receipts()) == 7 and took
+        assert out.read_bytes() == expected
+    finally:
+        cluster.stop()
+
+
+def test_a_scheduler_that_ends_is_one_sentence(voxid, models, out, expected, cluster):
+    build = Build(models, out, cluster)
+    build.wait_for_models(1)
+    cluster.scheduler.kill()
+    error = build.process.communicate(timeout=60)[1]
+    assert error == "voxid: the Dask scheduler is gone; what is finished waits for --resume\n"
+    assert build.process.returncode == 1
+    assert voxid("build", "--models", models, "--out", out, "--resume").code == 0
+    assert out.read_bytes() == expected
+
+
+def test_an_interrupt_ends_a_local_cluster_with_one_line(voxid, models, out):
+    """As Ctrl-C sends it: to this process, Dask's and their children."""
+    words = [PROGRAM, "build", "--models", models, "--out", out, "--workers", 2]
+    build = subprocess.Popen([str(word) for word in words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                             start_new_session=True)
+    while not list(pathlib.Path(f"{out}.parts").glob("*.shard")) and build.poll() is None:
+        time.sleep(0.005)
+    os.killpg(build.pid, signal.SIGINT)
+    assert build.communicate(timeout=60)[0] == "voxid: interrupted\n" and build.returncode == 1
+    assert voxid("build", "--models", models, "--out", out, "--resume").code == 0
 
 
 def test_what_goes_wrong_is_one_sentence(voxid, models, out, tmp_path):
@@ -115,6 +172,8 @@ def test_what_goes_wrong_is_one_sentence(voxid, models, out, tmp_path):
         address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
     voxid("build", "--models", models, "--out", out, "--scheduler", address).refuses(1, address)
     voxid("build", "--models", models, "--out", out, "--scheduler", address, "--workers", 1).refuses(2, "--workers")
+    for wrong in ("localhost", "tcp://localhost", "smoke://host:1"):
+        voxid("build", "--models", models, "--out", out, "--scheduler", wrong).refuses(2, wrong, "tcp://HOST:PORT")
     (tmp_path / "empty" / "cube").mkdir(parents=True)
     voxid("build", "--models", tmp_path / "empty", "--out", out, "--workers", 1).refuses(3, "no mesh")
 
