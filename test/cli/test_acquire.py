@@ -14,7 +14,6 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "python"))
 from voxid.acquire import meaning, source  # noqa: E402
 
-pytestmark = pytest.mark.skipif(not (meaning.DATABASE / "data.noun").exists(), reason="wordnet-base is not installed")
 TABLE = yaml.safe_load((ROOT / "cfg/synsets.yaml").read_text())
 
 
@@ -151,8 +150,6 @@ def test_a_shapenet_mirror_is_found_by_its_offsets(voxid, tmp_path):
 
 
 def test_licences_of_debians_catalogues_are_listed(voxid, tmp_path):
-    if not pathlib.Path("/usr/share/sweethome3d/furniture").is_dir():
-        pytest.skip("sweethome3d-furniture is not installed")
     answer = voxid("acquire", "mug", "--sense", 4, "--source", "sweethome3d", "--yes", "--out", tmp_path / "lib")
     assert answer.code == 0, answer.err
     (line,) = voxid("library", "licences", tmp_path / "lib", "--json").lines

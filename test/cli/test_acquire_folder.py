@@ -3,19 +3,12 @@
 import base64
 import json
 import os
-import pathlib
-import sys
 
 import pytest
 
 import solids
 from model_server import gltf_zip, packed, scene_of
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "python"))
-from voxid.acquire import meaning  # noqa: E402
-
-pytestmark = pytest.mark.skipif(not (meaning.DATABASE / "data.noun").exists(), reason="wordnet-base is not installed")
 TIN = solids.turned([(0.0, 0.0), (0.4, 0.0), (0.4, 1.0), (0.0, 1.0)])
 CONE = solids.turned([(0.0, 0.0), (0.5, 0.0), (0.0, 1.2)])
 

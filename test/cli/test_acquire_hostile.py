@@ -19,9 +19,8 @@ import solids
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / os.environ.get("VOXID", pathlib.Path(os.environ.get("VOXID_BUILD", "build")) / "bin" / "voxid")
 sys.path.insert(0, str(ROOT / "python"))
-from voxid.acquire import command, judge, meaning  # noqa: E402
+from voxid.acquire import command, judge  # noqa: E402
 
-pytestmark = pytest.mark.skipif(not (meaning.DATABASE / "data.noun").exists(), reason="wordnet-base is not installed")
 TIN = solids.turned([(0.0, 0.0), (0.4, 0.0), (0.4, 1.0), (0.0, 1.0)])
 CONE = solids.turned([(0.0, 0.0), (0.5, 0.0), (0.0, 1.2)])
 # Debian's Assimp follows levels by recursion.

@@ -7,7 +7,6 @@ import re
 import socket
 import struct
 import subprocess
-import sys
 import urllib.error
 import urllib.parse
 import urllib.request
@@ -21,10 +20,6 @@ import solids
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / os.environ.get("VOXID", pathlib.Path(os.environ.get("VOXID_BUILD", "build")) / "bin" / "voxid")
-sys.path.insert(0, str(ROOT / "python"))
-from voxid.acquire import meaning  # noqa: E402
-
-pytestmark = pytest.mark.skipif(not (meaning.DATABASE / "data.noun").exists(), reason="wordnet-base is not installed")
 BOX = "&lt;b&gt;x&amp;&quot; mug"  # as the page writes it
 GREEN, RED = (34, 170, 34), (51, 51, 204)  # BGR
 OPENER = urllib.request.build_opener(urllib.request.ProxyHandler({}))

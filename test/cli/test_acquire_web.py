@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """voxid acquire --source sketchfab against a server on loopback that behaves, and one that does not."""
 import json
-import pathlib
-import sys
 
 import pytest
 
@@ -10,11 +8,6 @@ import model_server
 import solids
 from model_server import Model, Server, glb, gltf_zip, packed
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "python"))
-from voxid.acquire import meaning  # noqa: E402
-
-pytestmark = pytest.mark.skipif(not (meaning.DATABASE / "data.noun").exists(), reason="wordnet-base is not installed")
 TIN = solids.turned([(0.0, 0.0), (0.4, 0.0), (0.4, 1.0), (0.0, 1.0)])
 BALL = solids.ball()
 CONE = solids.turned([(0.0, 0.0), (0.5, 0.0), (0.0, 1.2)])

@@ -175,7 +175,6 @@ def test_what_is_too_large_is_not_called_so(voxid, models, scenes, tmp_path):
 
 
 def test_sizes_are_of_taught_categories_once():
-    yaml = pytest.importorskip("yaml")
     table = yaml.safe_load((ROOT / "cfg/sizes.yaml").read_text())
     known = yaml.safe_load((ROOT / "cfg/synsets.yaml").read_text())["categories"]
     named = list(table["range_cm"]) + table["large"]

@@ -12,12 +12,7 @@ import numpy as np
 import pytest
 
 import solids
-
-voxid_module = pytest.importorskip("voxid")
-try:
-    voxid_module.Index
-except ImportError as error:
-    pytest.skip(str(error), allow_module_level=True)
+import voxid as voxid_module
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CAMERA = (525.0, 525.0, 319.5, 239.5)
