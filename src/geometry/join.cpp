@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "../core/vectorised.h"
+#include "box.h"
 #include "flags.h"
 
 namespace voxid {
@@ -24,7 +25,7 @@ constexpr int kHiddenShare_percent = 60;
 constexpr int kCutTopsWithin_mm = 10;
 // Hollow join.
 constexpr int kFewestTouching = 20;  // columns, at 640
-constexpr int kTouchGap_px = 4;
+constexpr std::size_t kTouchGap_px = 4;
 constexpr int kRimsWithin_mm = 8;
 constexpr std::int64_t kWidestVessel_um = 400000;
 constexpr std::int64_t kFewestSagitta_um = 8000;
@@ -53,10 +54,6 @@ class Facing {
  private:
   std::int32_t nearest_ = 0, farthest_ = 0;
 };
-
-VOXID_VECTORISED void orInto(const std::uint8_t* from, int count, std::uint8_t* to) {
-  for (int i = 0; i < count; ++i) to[i] = static_cast<std::uint8_t>(to[i] | from[i]);
-}
 
 /// Makes micrometres whole millimetres, at most kHighest_mm.
 VOXID_VECTORISED void toMillimetres(std::int32_t* heights, std::size_t count) {
@@ -143,7 +140,6 @@ Joiner::Joiner() {
 
 void Joiner::reserve(std::size_t pixels) {
   piece_.reserve(pixels);
-  occupied_.reserve(pixels);
   heights_um_.reserve(pixels);
   placed_.reserve(pixels);
 }
@@ -165,69 +161,43 @@ void Joiner::takePieces(const Surface& surface, std::size_t fewest, const Compon
     }
     for (std::size_t k = 1; k < pieces_.size(); ++k) lines(static_cast<int>(i), static_cast<int>(k)) = Lines{};
   }
-  markOccupied(static_cast<std::size_t>(surface.inverse.width_px));
 }
 
-void Joiner::markOccupied(std::size_t width) {
-  const std::size_t rows = piece_.size() / width;
-  occupied_.assign((rows + kBlockRows - 1) / kBlockRows * width, 0);
-  for (std::size_t row = 0; row < rows; ++row) {
-    orInto(piece_.data() + row * width, static_cast<int>(width), occupied_.data() + row / kBlockRows * width);
-  }
-}
-
-/// From a pixel back to the piece that it faces, at most `farthest_px` pixels away. skipped(k): how many pixels from
-/// the k-th on are known to be of no piece.
-template <typename Skipped>
-void Joiner::faceBack(const InverseDepth& inverse, std::size_t pixel, std::size_t stride, int farthest_px,
-                      Skipped skipped) {
-  const int here = piece_[pixel];
-  const std::int32_t own = inverse.values[pixel];
-  std::int32_t between = inverseOf(1000);  // the farthest depth seen between the two
+/// The piece that a line's pixel faces. passes(value): whether what lies between may have that inverse depth; otherwise
+/// the search ends.
+template <typename Passes>
+Joiner::Faced Joiner::facedBack(const InverseDepth& inverse, const Line& line, Passes passes) const {
+  const int here = piece_[line.pixel];
   Facing facing;
-  for (int k = 1; k <= farthest_px; ++k) {
-    // Behind something farther away than itself nothing can be hidden any more, and only the next piece matters.
-    if (between < own) k += skipped(k);
-    if (k > farthest_px) return;
-    const std::size_t p = pixel - static_cast<std::size_t>(k) * stride;
-    const int other = piece_[p];
-    if (other == here) return;
+  for (int k = 1; k <= line.farthest_px; ++k) {
+    const std::size_t p = line.pixel - static_cast<std::size_t>(k) * line.stride;
     const std::int32_t value = inverse.values[p];
-    if (other != 0 && facing.within(own, value)) {
-      Lines& pair = lines(std::min(here, other), std::max(here, other));
-      ++pair.facing;
-      pair.hidden += k > 1 && between >= inverseOf(std::min(depthUmOf(own), depthUmOf(value)) - kNearer_um);
-      return;
-    }
-    if (value > 0) between = std::min(between, value);
+    if (piece_[p] == here) return {};
+    if (piece_[p] != 0 && facing.within(inverse.values[line.pixel], value)) return {piece_[p], k, value};
+    if (value > 0 && !passes(value)) return {};
   }
+  return {};
 }
 
-void Joiner::faceLeft(const InverseDepth& inverse, std::size_t pixel, int farthest_px) {
-  faceBack(inverse, pixel, 1, farthest_px, [&](int k) {
-    int empty = 0;
-    while (k + empty + 7 <= farthest_px && eightAt(piece_.data() + pixel - k - empty - 7) == 0) empty += 8;
-    return empty;
+/// Counts a line that faces a piece with nothing but missing or nearer depth in between.
+void Joiner::countHidden(const InverseDepth& inverse, const Line& line) {
+  const std::int32_t own_um = depthUmOf(inverse.values[line.pixel]), nearer = inverseOf(own_um - kNearer_um);
+  std::int32_t between = inverseOf(1000);  // the farthest depth seen between the two
+  const Faced faced = facedBack(inverse, line, [&](std::int32_t value) {
+    between = std::min(between, value);
+    return between >= nearer;
   });
+  if (faced.piece == 0 || faced.steps == 1) return;
+  if (between >= inverseOf(std::min(own_um, depthUmOf(faced.value)) - kNearer_um))
+    ++linesOf(piece_[line.pixel], faced.piece).hidden;
 }
 
-void Joiner::faceUp(const InverseDepth& inverse, std::size_t pixel, int row, int farthest_px) {
-  const auto width = static_cast<std::size_t>(inverse.width_px);
-  const std::size_t column = pixel - static_cast<std::size_t>(row) * width;
-  faceBack(inverse, pixel, width, farthest_px, [&](int k) {
-    int empty = 0;
-    while (k + empty <= farthest_px) {
-      const auto block = static_cast<std::size_t>(row - k - empty) / kBlockRows;
-      if (occupied_[block * width + column]) break;
-      empty = row - static_cast<int>(block * kBlockRows) + 1 - k;  // on to the block above
-    }
-    return empty;
-  });
-}
-
-/// Where the pieces' runs begin, along rows, and where the row above is another piece, along columns.
-void Joiner::scan(const Surface& surface, const Camera& camera, Span<const Run> runs) {
+/// visit(line) for the lines that may face another piece: to the left where the pieces' runs begin, and up where the
+/// row above is another piece.
+template <typename Visit>
+void Joiner::visitLines(const Surface& surface, const Camera& camera, Span<const Run> runs, Visit visit) const {
   const InverseDepth& inverse = surface.inverse;
+  const auto width = static_cast<std::size_t>(inverse.width_px);
   const double per_unit = kWidestGap_um / kUnitsTimesUm / 65536;
   const double columns_per_unit = camera.fx_q16 * per_unit, rows_per_unit = camera.fy_q16 * per_unit;
   const auto farthest = [&](double px_per_unit, std::size_t pixel, int most) {
@@ -237,12 +207,11 @@ void Joiner::scan(const Surface& surface, const Camera& camera, Span<const Run> 
   const int step = lineStep(inverse.width_px);
   for (const Run& run : runs) {
     const int row = surface.row(run.begin), column = static_cast<int>(run.begin) - row * inverse.width_px;
-    if (column > 0 && row % step == 0) faceLeft(inverse, run.begin, farthest(columns_per_unit, run.begin, column));
+    if (column > 0 && row % step == 0) visit(Line{run.begin, 1, farthest(columns_per_unit, run.begin, column)});
     if (row == 0) continue;
     const std::size_t first = run.begin + static_cast<std::size_t>(column % step);
     visitTop({static_cast<std::uint32_t>(first), run.end}, inverse.width_px, step, [&](std::size_t pixel) {
-      faceUp(inverse, pixel, row, farthest(rows_per_unit, pixel, row));
-      touch(inverse, pixel, row);
+      visit(Line{pixel, width, farthest(rows_per_unit, pixel, row)});
     });
   }
 }
@@ -264,10 +233,11 @@ void Joiner::visitTop(Run run, int width_px, int step, Visit visit) const {
 }
 
 /// Counts a column in which a far piece ends right above the first pixel of a near one.
-void Joiner::touch(const InverseDepth& inverse, std::size_t pixel, int row) {
+void Joiner::countTouching(const InverseDepth& inverse, std::size_t pixel) {
+  const auto width = static_cast<std::size_t>(inverse.width_px);
   const int near = piece_[pixel];
-  for (int k = 1; k <= std::min(kTouchGap_px, row); ++k) {
-    const std::size_t above = pixel - static_cast<std::size_t>(k) * static_cast<std::size_t>(inverse.width_px);
+  for (std::size_t k = 1; k <= kTouchGap_px && k * width <= pixel; ++k) {
+    const std::size_t above = pixel - k * width;
     const int far = piece_[above];
     if (far == 0) continue;
     if (far != near && inverse.values[above] < inverse.values[pixel]) ++lines(far, near).touching;
@@ -275,41 +245,69 @@ void Joiner::touch(const InverseDepth& inverse, std::size_t pixel, int row) {
   }
 }
 
+/// The line's length up to the box's far side; 0 if it does not reach the box.
+int Joiner::lengthInto(const PixelBox& box, const Line& line, int width_px) {
+  const int v = static_cast<int>(line.pixel) / width_px, u = static_cast<int>(line.pixel) - v * width_px;
+  const bool left = line.stride == 1;
+  const int across = left ? v - box.y : u - box.x, width = left ? box.height : box.width;
+  const int to_end = left ? u - box.x : v - box.y, length = left ? box.width : box.height;
+  const bool reaches = across >= 0 && across < width && to_end > 0 && to_end - length < line.farthest_px;
+  return reaches ? std::min(to_end, line.farthest_px) : 0;
+}
+
+/// How many lines of one piece face the other, whatever lies in between. They are long: not to be counted for all
+/// pairs.
+int Joiner::linesFacing(int from, int to, const Surface& surface, const Camera& camera, const Components& components) {
+  const PixelBox box = pixelBoxOf(components.runsOf(piece(to).part), surface.inverse.width_px);
+  int facing = 0;
+  visitLines(surface, camera, components.runsOf(piece(from).part), [&](Line line) {
+    line.farthest_px = lengthInto(box, line, surface.inverse.width_px);
+    facing += facedBack(surface.inverse, line, [](std::int32_t) { return true; }).piece == to;
+  });
+  return facing;
+}
+
 void Joiner::join(const Surface& surface, const Camera& camera, std::size_t fewest, Components& components) {
   takePieces(surface, fewest, components);
   const auto count = static_cast<int>(pieces_.size());
-  for (const Piece& piece : pieces_) {
-    if (&piece != pieces_.data()) scan(surface, camera, components.runsOf(piece.part));
+  for (int i = 1; i < count; ++i) {
+    visitLines(surface, camera, components.runsOf(piece(i).part), [&](const Line& line) {
+      countHidden(surface.inverse, line);
+      if (line.stride > 1) countTouching(surface.inverse, line.pixel);
+    });
   }
   for (int a = 1; a < count; ++a) {
     for (int b = a + 1; b < count; ++b) {
-      if (!belongTogether(a, b, surface, components)) continue;
-      components.join(pieces_[static_cast<std::size_t>(a)].part, pieces_[static_cast<std::size_t>(b)].part);
+      if (cutByNearer(a, b, surface, camera, components) || wallsOfVessel(a, b, surface, components))
+        components.join(piece(a).part, piece(b).part);
     }
   }
 }
 
-bool Joiner::belongTogether(int a, int b, const Surface& surface, const Components& components) {
-  const int width_px = surface.inverse.width_px;
-  const bool cut = cutByNearer(a, b, std::max(2, kFewestLines * width_px / 640 / lineStep(width_px)));
-  const int fewest_columns = std::max(4, kFewestTouching * width_px / 640 / lineStep(width_px));
-  const bool a_above = lines(a, b).touching >= fewest_columns, b_above = lines(b, a).touching >= fewest_columns;
-  if (!cut && !a_above && !b_above) return false;
-  Piece &first = pieces_[static_cast<std::size_t>(a)], &second = pieces_[static_cast<std::size_t>(b)];
-  const int step_mm = std::abs(topOf(first, surface, components) - topOf(second, surface, components));
-  if (cut && step_mm <= kCutTopsWithin_mm) return true;
-  if (step_mm > kRimsWithin_mm) return false;
-  return (a_above && wallsOfVessel(first, second, surface, components)) ||
-         (b_above && wallsOfVessel(second, first, surface, components));
+bool Joiner::topsWithin(int most_mm, int a, int b, const Surface& surface, const Components& components) {
+  return std::abs(topOf(piece(a), surface, components) - topOf(piece(b), surface, components)) <= most_mm;
 }
 
-bool Joiner::cutByNearer(int a, int b, int fewest_lines) {
-  const Lines& pair = lines(a, b);
-  return pair.hidden >= fewest_lines && pair.hidden * 100 >= pair.facing * kHiddenShare_percent;
+bool Joiner::cutByNearer(int a, int b, const Surface& surface, const Camera& camera, const Components& components) {
+  const int width_px = surface.inverse.width_px, hidden = lines(a, b).hidden;
+  if (hidden < std::max(2, kFewestLines * width_px / 640 / lineStep(width_px))) return false;
+  if (!topsWithin(kCutTopsWithin_mm, a, b, surface, components)) return false;
+  const int facing = linesFacing(a, b, surface, camera, components) + linesFacing(b, a, surface, camera, components);
+  return hidden * 100 >= facing * kHiddenShare_percent;
+}
+
+/// Whether one is the far wall of a vessel and the other its near wall.
+bool Joiner::wallsOfVessel(int a, int b, const Surface& surface, const Components& components) {
+  const int width_px = surface.inverse.width_px;
+  const int fewest_columns = std::max(4, kFewestTouching * width_px / 640 / lineStep(width_px));
+  const bool a_above = lines(a, b).touching >= fewest_columns, b_above = lines(b, a).touching >= fewest_columns;
+  if ((!a_above && !b_above) || !topsWithin(kRimsWithin_mm, a, b, surface, components)) return false;
+  return (a_above && farAndNearWall(piece(a), piece(b), surface, components)) ||
+         (b_above && farAndNearWall(piece(b), piece(a), surface, components));
 }
 
 /// A vessel's far wall, seen from inside, is hollow towards the viewer, its near wall bulges.
-bool Joiner::wallsOfVessel(const Piece& far, const Piece& near, const Surface& surface, const Components& components) {
+bool Joiner::farAndNearWall(const Piece& far, const Piece& near, const Surface& surface, const Components& components) {
   const auto place = [&](const Piece& piece) {
     placed_.clear(components.pixelsIn(piece.part));
     for (const Run& run : components.runsOf(piece.part)) surface.place(run, placed_);

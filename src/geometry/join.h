@@ -7,6 +7,7 @@
 
 #include "components.h"
 #include "surface.h"
+#include "voxid/geometry/scene.h"
 
 namespace voxid {
 
@@ -20,7 +21,6 @@ class Joiner {
 
  private:
   static constexpr std::size_t kMostPieces = 255;  // numbered 1 to 255; 0 is none
-  static constexpr std::size_t kBlockRows = 8;
 
   struct Piece {
     std::size_t part = 0;
@@ -28,32 +28,43 @@ class Joiner {
   };
   /// Image lines along which two pieces face each other.
   struct Lines {
-    std::uint16_t facing = 0;    ///< all
     std::uint16_t hidden = 0;    ///< with nothing but missing or nearer depth between them
     std::uint16_t touching = 0;  ///< columns in which the first is right above the second and behind it
   };
+  /// A pixel and those to its left (stride 1) or above it (stride of a row) that are looked at.
+  struct Line {
+    std::size_t pixel, stride;
+    int farthest_px;
+  };
+  struct Faced {
+    int piece = 0, steps = 0;  ///< 0 = none
+    std::int32_t value = 0;
+  };
 
   void takePieces(const Surface& surface, std::size_t fewest, const Components& components);
-  void scan(const Surface& surface, const Camera& camera, Span<const Run> runs);
-  void markOccupied(std::size_t width);
+  template <typename Visit>
+  void visitLines(const Surface& surface, const Camera& camera, Span<const Run> runs, Visit visit) const;
   template <typename Visit>
   void visitTop(Run run, int width_px, int step, Visit visit) const;
-  template <typename Skipped>
-  void faceBack(const InverseDepth& inverse, std::size_t pixel, std::size_t stride, int farthest_px, Skipped skipped);
-  void faceLeft(const InverseDepth& inverse, std::size_t pixel, int farthest_px);
-  void faceUp(const InverseDepth& inverse, std::size_t pixel, int row, int farthest_px);
-  void touch(const InverseDepth& inverse, std::size_t pixel, int row);
+  template <typename Passes>
+  Faced facedBack(const InverseDepth& inverse, const Line& line, Passes passes) const;
+  void countHidden(const InverseDepth& inverse, const Line& line);
+  void countTouching(const InverseDepth& inverse, std::size_t pixel);
+  Piece& piece(int i) { return pieces_[static_cast<std::size_t>(i)]; }
   Lines& lines(int a, int b) {
     return lines_[static_cast<std::size_t>(a) * (kMostPieces + 1) + static_cast<std::size_t>(b)];
   }
+  Lines& linesOf(int a, int b) { return a < b ? lines(a, b) : lines(b, a); }
   int topOf(Piece& piece, const Surface& surface, const Components& components);
-  bool cutByNearer(int a, int b, int fewest_lines);
-  bool wallsOfVessel(const Piece& far, const Piece& near, const Surface& surface, const Components& components);
-  bool belongTogether(int a, int b, const Surface& surface, const Components& components);
+  bool topsWithin(int most_mm, int a, int b, const Surface& surface, const Components& components);
+  bool cutByNearer(int a, int b, const Surface& surface, const Camera& camera, const Components& components);
+  static int lengthInto(const PixelBox& box, const Line& line, int width_px);
+  int linesFacing(int from, int to, const Surface& surface, const Camera& camera, const Components& components);
+  bool wallsOfVessel(int a, int b, const Surface& surface, const Components& components);
+  bool farAndNearWall(const Piece& far, const Piece& near, const Surface& surface, const Components& components);
 
-  std::vector<Piece> pieces_;           // the first is no piece
-  std::vector<std::uint8_t> piece_;     // by pixel
-  std::vector<std::uint8_t> occupied_;  // by block of kBlockRows pixels of a column: 0 = they are of no piece
+  std::vector<Piece> pieces_;        // the first is no piece
+  std::vector<std::uint8_t> piece_;  // by pixel
   std::vector<Lines> lines_;
   std::vector<std::int32_t> heights_um_;   // of one piece's pixels
   std::vector<std::uint32_t> heights_mm_;  // two histograms, interleaved
