@@ -30,12 +30,17 @@ def scene_of(mesh):
             "buffers": [{"byteLength": len(points) + len(numbers)}]}, points + numbers
 
 
-def glb(mesh):
-    scene, buffer = scene_of(mesh)
+def glb_of(scene, buffer=b""):
+    """Without a chunk for the buffer if there is none."""
     text = json.dumps(scene).encode()
     text += b" " * (-len(text) % 4)
-    chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(buffer), b"BIN\0") + buffer
+    chunks = struct.pack("<I4s", len(text), b"JSON") + text
+    chunks += struct.pack("<I4s", len(buffer), b"BIN\0") + buffer if buffer else b""
     return b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks
+
+
+def glb(mesh):
+    return glb_of(*scene_of(mesh))
 
 
 def packed(members):

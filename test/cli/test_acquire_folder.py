@@ -7,7 +7,7 @@ import os
 import pytest
 
 import solids
-from model_server import gltf_zip, packed, scene_of
+from model_server import glb, glb_of, gltf_zip, packed, scene_of
 
 TIN = solids.turned([(0.0, 0.0), (0.4, 0.0), (0.4, 1.0), (0.0, 1.0)])
 CONE = solids.turned([(0.0, 0.0), (0.5, 0.0), (0.0, 1.2)])
@@ -54,6 +54,40 @@ def test_gltf_takes_its_buffers_into_the_library_and_builds_there(voxid, acquire
     (folder / "buffers" / "a b.bin").unlink()
     answer = voxid("build", "--models", tmp_path / "lib", "--out", tmp_path / "a.vxi", "--views-every", 16, "--json")
     assert answer.lines[-1]["models"] == 2 and answer.lines[-1]["skipped"] == [], answer.err
+
+
+def scene_of_two_buffers(mesh, uri):
+    """Vertices in the file's own buffer, triangles in the one at `uri`; (scene, own buffer, other one)."""
+    scene, data = scene_of(mesh)
+    length = scene["bufferViews"][0]["byteLength"]
+    scene["buffers"] = [{"byteLength": length}, {"byteLength": len(data) - length, "uri": uri}]
+    scene["bufferViews"][1].update(buffer=1, byteOffset=0)
+    return scene, data[:length], data[length:]
+
+
+def test_glb_takes_buffers_of_other_files_in(voxid, acquire, folder, tmp_path):
+    """The same shape three times: the second and third are told as such once they are whole."""
+    (folder / "a mug.glb").write_bytes(glb(TIN))
+    scene, own, other = scene_of_two_buffers(TIN, "b%201.bin")
+    (folder / "b mug.glb").write_bytes(glb_of(scene, own))
+    (folder / "b 1.bin").write_bytes(other)
+    scene, buffer = scene_of(TIN)
+    scene["buffers"][0]["uri"] = "data:;base64," + base64.b64encode(buffer).decode()
+    (folder / "c mug.zip").write_bytes(packed({"x/c.glb": glb_of(scene)}))
+    lines = acquire()
+    assert lines["a mug"]["number"] == 1
+    same = "the same shape as mug/folder_a_mug.glb"
+    assert (lines["b mug"]["dropped"], lines["c mug"]["dropped"]) == (same, same)
+
+
+@pytest.mark.parametrize("data", [b"glTF\x02\0\0\0" + b"\0" * 4, glb_of({"buffers": [{"uri": "x"}]}),
+                                  glb_of({"buffers": [{"uri": "data:,"}], "bufferViews": [{"buffer": 7}]}),
+                                  glb_of({"buffers": 7}), glb_of({"buffers": [{}, {"uri": "data:,"}]})])
+def test_a_damaged_glb_is_dropped_with_a_reason(acquire, folder, data):
+    solids.write_ply(folder / "mug 2.ply", CONE)
+    (folder / "mug.glb").write_bytes(data)
+    lines = acquire()
+    assert "is no glTF" in lines["mug"]["dropped"] or "is not there" in lines["mug"]["dropped"]
 
 
 @pytest.mark.parametrize("uri, reason", [("../outside.bin", "outside the source's folder"),

@@ -1,16 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The mesh of a zip archive that somebody else made: nothing is written under a name of the archive's own, and
-what unpacks to more than the limit is refused, whatever its headers say. And glTF, whose buffers are other files."""
-import base64
-import json
+what unpacks to more than the limit is refused, whatever its headers say."""
 import pathlib
-import posixpath
 import re
-import urllib.parse
 import zipfile
 import zlib
 
-from voxid.acquire import source
+from voxid.acquire import gltf, source
 from voxid.failure import DAMAGED, Failure
 
 MOST_DIRECTORY_BYTES = 4 << 20  # some ten thousand names
@@ -84,31 +80,6 @@ def mesh_in(names):
     return min(ranked)[2]
 
 
-def whole_gltf(files, name):
-    """The .gltf of an archive or a folder with its buffers inside and its pictures left out: one file, as the library
-    wants it. `files.read(name)` gives the bytes of a file."""
-    try:
-        scene = json.loads(files.read(name))
-        for buffer in scene.get("buffers", []):
-            uri = buffer.get("uri", "")
-            if not uri.startswith("data:"):
-                inside = posixpath.normpath(posixpath.join(posixpath.dirname(name), urllib.parse.unquote(uri)))
-                text = base64.b64encode(files.read(inside)).decode()
-                buffer["uri"] = f"data:application/octet-stream;base64,{text}"
-        _without_pictures(scene)
-    except (ValueError, RecursionError, AttributeError, TypeError):
-        raise Failure(f"'{name[:60]}' is no glTF", DAMAGED) from None
-    return json.dumps(scene).encode()
-
-
-def _without_pictures(scene):
-    for field in ("images", "textures", "samplers", "materials", "extensionsUsed", "extensionsRequired", "animations"):
-        scene.pop(field, None)
-    for mesh in scene.get("meshes", []):
-        for primitive in mesh.get("primitives", []):
-            primitive.pop("material", None)
-
-
 def format_in(path):
     """Of the archive's mesh."""
     with Archive(path, 0) as archive:
@@ -120,4 +91,4 @@ def unpack_mesh(path, limit_bytes):
     with Archive(path, limit_bytes) as archive:
         name = mesh_in(archive.names())
         format_ = name.rsplit(".", 1)[-1].lower()
-        return format_, whole_gltf(archive, name) if format_ == "gltf" else archive.read(name)
+        return format_, gltf.whole(archive, name) if format_ in gltf.FORMATS else archive.read(name)

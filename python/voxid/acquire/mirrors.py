@@ -8,8 +8,8 @@ import pathlib
 import shutil
 import zlib
 
-from voxid.acquire import source
-from voxid.acquire.archive import format_in, unpack_mesh, whole_gltf
+from voxid.acquire import gltf, source
+from voxid.acquire.archive import format_in, unpack_mesh
 from voxid.failure import DAMAGED, Failure
 
 # Which of several files of one model is taken.
@@ -82,9 +82,9 @@ class OnDisk(source.Source):
             raise Failure(f"{path} has more than {limit_bytes} bytes")
         if path.suffix.lower() == ".zip":
             target.write_bytes(unpack_mesh(path, limit_bytes)[1])
-        elif candidate.format == "gltf":
+        elif candidate.format in gltf.FORMATS:
             name = path.relative_to(self._root).as_posix()
-            target.write_bytes(whole_gltf(Inside(self._root, limit_bytes), name))
+            target.write_bytes(gltf.whole(Inside(self._root, limit_bytes), name))
         else:
             shutil.copyfile(path, target)
 
