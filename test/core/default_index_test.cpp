@@ -335,21 +335,6 @@ void useIt(const std::shared_ptr<const Index>& index) {
   (void)readContent(*index);
 }
 
-TEST_F(DefaultIndex, AnyFlippedByteIsRefusedOrFound) {
-  const std::string path = make(3, 2, 2)->path(), good = readBytes(path);
-  const std::size_t projection = good.find(std::string(format::kProjectionMagic, 8));
-  ASSERT_NE(projection, std::string::npos);
-  const std::size_t projection_end = projection + 64 + kBytes * (kDepthBins + 8 + kLists) + 128;
-  for (std::size_t at = 0; at<good.size(); at += at> projection + 64 && at < projection_end - 997 ? 997 : 1) {
-    std::string bad = good;
-    bad[at] = static_cast<char>(bad[at] ^ 0x41);
-    writeBytes(path, bad);
-    const auto index = Index::open(path);
-    if (index.ok()) useIt(index.value);
-    ASSERT_FALSE(index.ok() && index.value->verify().ok()) << "byte " << at;
-  }
-}
-
 struct Damage {
   const char* tag;
   std::size_t at;

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The files of formats 1.2 and 1.3 in profile "default", with all their sections, and of 1.5 in "paper". That of 1.0 is
-// in index_writer_test.cpp.
+// The files of formats 1.2 and 1.3 in profile "default", with all their sections, and of 1.5 in "paper"; that of 1.0 is
+// in index_writer_test.cpp. And a file of each profile with every section that there is, from which the fuzzer starts.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <fstream>
 
 #include "core/index_fixture.h"
 #include "core/projection_fixture.h"
 #include "core/surface_fixture.h"
 #include "voxid/core/kept_surface.h"
+#include "voxid/core/sketch.h"
 
 namespace voxid {
 namespace {
@@ -57,10 +59,15 @@ IndexContent goldenContent1_5() {
   return content;
 }
 
-// Kept for ever: the writer makes these bytes, every reader reads them. VOXID_WRITE_GOLDEN=1 writes the file.
+/// VOXID_WRITE_GOLDEN=1 writes the file anew.
+std::string placeOf(const std::string& golden, const std::string& other) {
+  return std::getenv("VOXID_WRITE_GOLDEN") != nullptr ? golden : other;
+}
+
+// Kept for ever: the writer makes these bytes, every reader reads them.
 std::shared_ptr<const Index> writtenAndRead(const IndexContent& content, const std::string& golden) {
   test::Folder folder;
-  const std::string path = std::getenv("VOXID_WRITE_GOLDEN") != nullptr ? golden : folder.file("x.vxi");
+  const std::string path = placeOf(golden, folder.file("x.vxi"));
   EXPECT_TRUE(writeIndex(content, path).ok());
   EXPECT_TRUE(readBytes(path) == readBytes(golden)) << "the bytes of " << golden << " changed";
   const auto index = test::openGood(golden);
@@ -100,27 +107,94 @@ TEST(GoldenIndex, Version1_5IsWrittenAndRead) {
   EXPECT_EQ(kept->header().folds[2], 0);
 }
 
-/// Some bytes between `sparse` and `sparse_end`, which have one sum, and every byte elsewhere.
-void expectEachFlipFound(const std::string& golden, std::size_t sparse, std::size_t sparse_end) {
+// ---- every section ---------------------------------------------------------------------------------------------
+
+constexpr char kCompleteDefault[] = "test/data/fuzz/complete_default.vxi";
+constexpr char kCompletePaper[] = "test/data/fuzz/complete_paper.vxi";
+
+IndexContent completeDefault() {
+  IndexContent content = goldenContent1_3();
+  content.models.back().surface = test::keptTetrahedron();
+  return content;
+}
+
+/// Without SUMS, which the writer leaves out of a file this small.
+IndexContent completePaper() {
+  IndexContent content = goldenContent1_5();
+  content.confidence = goldenContent().confidence;
+  for (ModelRecord& model : content.models) {
+    if (model.category == "c100") model.sense = "mug.n.04", model.hypernyms = "entity.n.01/container.n.01/mug.n.04";
+  }
+  return content;
+}
+
+std::string sketchesOfAll(const Index& index) {
+  std::string sketches(index.viewCount() * kSketchBytes, '\0');
+  for (std::uint32_t view = 0; view < index.viewCount(); ++view)
+    sketchOf(index.code(view), reinterpret_cast<std::uint8_t*>(&sketches[view * kSketchBytes]));
+  return sketches;
+}
+
+void expectKept(const std::string& bytes, const std::string& kept) {
   test::Folder folder;
-  const std::string good = readBytes(golden), path = folder.file("x.vxi");
-  constexpr std::size_t kStride = 101;
-  for (std::size_t at = 0; at<good.size(); at += at> sparse && at + kStride < sparse_end ? kStride : 1) {
-    std::string bad = good;
-    bad[at] = static_cast<char>(bad[at] ^ 0x10);
-    test::writeBytes(path, bad);
-    const auto index = Index::open(path);
-    ASSERT_FALSE(index.ok() && index.value->verify().ok()) << golden << ", byte " << at;
+  test::writeBytes(placeOf(kept, folder.file("x.vxi")), bytes);
+  EXPECT_TRUE(bytes == readBytes(kept)) << kept;
+  EXPECT_EQ(test::openGood(kept)->verify().sentence, "");
+}
+
+TEST(CompleteIndex, IsWhatTheFuzzerStartsFrom) {
+  test::Folder of_default, of_paper;
+  expectKept(readBytes(test::writtenIndex(of_default, completeDefault())->path()), kCompleteDefault);
+  const auto paper = test::writtenIndex(of_paper, completePaper());
+  expectKept(test::withSection(readBytes(paper->path()), "SUMS", sketchesOfAll(*paper)), kCompletePaper);
+}
+
+/// A good file in which one byte at a time is another.
+class Flipper {
+ public:
+  explicit Flipper(const std::string& good) : good_(readBytes(good)), path_(folder_.file("x.vxi")) {
+    test::writeBytes(path_, good_);
+    file_.open(path_, std::ios::binary | std::ios::in | std::ios::out);
+  }
+  std::size_t size() const { return good_.size(); }
+  std::size_t find(const std::string& bytes) const { return good_.find(bytes); }
+
+  bool isFound(std::size_t at, int flip) {
+    put(at, static_cast<char>(good_[at] ^ flip));
+    const auto index = Index::open(path_);
+    const bool found = !index.ok() || !index.value->verify().ok();
+    put(at, good_[at]);
+    return found;
+  }
+
+ private:
+  void put(std::size_t at, char byte) {
+    file_.seekp(static_cast<std::streamoff>(at));
+    file_.put(byte).flush();
+  }
+
+  test::Folder folder_;
+  const std::string good_, path_;
+  std::fstream file_;
+};
+
+TEST(CompleteIndex, EveryFlippedBitOfPaperIsRefusedOrFound) {
+  Flipper file(kCompletePaper);
+  for (std::size_t at = 0; at < file.size(); ++at) {
+    for (int bit = 0; bit < 8; ++bit) ASSERT_TRUE(file.isFound(at, 1 << bit)) << "byte " << at << ", bit " << bit;
   }
 }
 
-TEST(GoldenIndex, AnyFlippedByteIsRefusedOrFound) {
-  for (const char* const golden : {"test/data/golden/v1_2.vxi", "test/data/golden/v1_3.vxi"}) {
-    const std::size_t projection = readBytes(golden).find(std::string(format::kProjectionMagic, 8));
-    ASSERT_NE(projection, std::string::npos);
-    expectEachFlipFound(golden, projection + 64, projection + 64 + kBytes * (kDepthBins + 8 + kLists) + 128);
-  }
-  expectEachFlipFound("test/data/golden/v1_5.vxi", 0, 0);
+// Of the projection's numbers, which have one sum, some.
+TEST(CompleteIndex, EveryFlippedByteOfDefaultIsRefusedOrFound) {
+  Flipper file(kCompleteDefault);
+  constexpr std::size_t kStride = 101;
+  const std::size_t numbers = file.find({std::begin(format::kProjectionMagic), std::end(format::kProjectionMagic)}) +
+                              sizeof(format::Projection);
+  const std::size_t last = numbers + kBytes * (kDepthBins + 8 + kLists) + sizeof(format::Calibration) - kStride;
+  ASSERT_LT(last, file.size());
+  for (std::size_t at = 0; at < file.size(); at += at >= numbers && at < last ? kStride : 1)
+    ASSERT_TRUE(file.isFound(at, 1 << at % 8)) << "byte " << at;
 }
 
 }  // namespace

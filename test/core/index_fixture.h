@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <memory>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "core/random.h"
+#include "voxid/core/crc32c.h"
 #include "voxid/library/index_writer.h"
 
 namespace voxid::test {
@@ -85,6 +87,31 @@ inline IndexContent randomContent(int categories, int models, int views, std::ui
     content.models.push_back(std::move(model));
   }
   return content;
+}
+
+/// The file `index` with one section more, the last.
+inline std::string withSection(const std::string& index, const char* tag, const std::string& content) {
+  const auto aligned = [](std::size_t bytes) {
+    return (bytes + format::kAlignment - 1) / format::kAlignment * format::kAlignment;
+  };
+  format::Header header;
+  std::memcpy(&header, index.data(), sizeof header);
+  std::vector<format::Section> table(header.sections);
+  std::memcpy(table.data(), index.data() + sizeof header, table.size() * sizeof table[0]);
+  const std::size_t start = table[0].offset, moved = aligned(sizeof header + (table.size() + 1) * sizeof table[0]);
+  for (format::Section& section : table) section.offset += moved - start;
+  table.push_back({{}, crc32c(content.data(), content.size()), index.size() + moved - start, content.size(), {}});
+  std::memcpy(table.back().tag, tag, sizeof table.back().tag);
+  header.sections = static_cast<std::uint32_t>(table.size());
+  header.file_bytes = aligned(table.back().offset + content.size());
+  header.crc32c = 0;
+  header.crc32c = crc32c(table.data(), table.size() * sizeof table[0], crc32c(&header, sizeof header));
+  std::string bytes(reinterpret_cast<const char*>(&header), sizeof header);
+  bytes.append(reinterpret_cast<const char*>(table.data()), table.size() * sizeof table[0]);
+  bytes.resize(moved);
+  bytes += index.substr(start) + content;
+  bytes.resize(header.file_bytes);
+  return bytes;
 }
 
 inline std::shared_ptr<const Index> openGood(const std::string& path) {

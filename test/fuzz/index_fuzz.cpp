@@ -2,7 +2,9 @@
 // Any bytes as an index: refused, or used without harm. Once as they are, once with the sums that a writer would have
 // made, without which next to nothing would pass the header.
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
+#include <string>
 #include <vector>
 
 #include "memory_file.h"
@@ -56,16 +58,44 @@ void use(const Bytes& bytes) {
   (void)readContent(*index.value);
 }
 
-void sumSections(Bytes& bytes, format::Header& header) {
-  for (std::uint32_t i = 0; i < header.sections; ++i) {
-    std::uint8_t* const entry = bytes.data() + sizeof header + i * sizeof(format::Section);
+/// visit(tag, first byte, length, section's sum) of each section that lies in the file.
+template <typename Visit>
+void visitSections(Bytes& bytes, std::uint32_t sections, Visit visit) {
+  for (std::uint32_t i = 0; i < sections; ++i) {
+    std::uint8_t* const entry = bytes.data() + sizeof(format::Header) + i * sizeof(format::Section);
     format::Section section;
     std::memcpy(&section, entry, sizeof section);
     if (section.offset > bytes.size() || section.length > bytes.size() - section.offset) continue;
-    section.crc32c = crc32c(bytes.data() + section.offset, section.length);
+    visit(std::string(section.tag, sizeof section.tag), bytes.data() + section.offset, section.length, section.crc32c);
     std::memcpy(entry, &section, sizeof section);
-    if (std::memcmp(section.tag, "PARM", 4) == 0) header.descriptor_crc32c = section.crc32c;
   }
+}
+
+/// The sum inside PROJ, and the one of PROJ in PARM.
+void sumProjection(Bytes& bytes, std::uint32_t sections) {
+  std::uint32_t sum = 0;
+  visitSections(bytes, sections,
+                [&](const std::string& tag, std::uint8_t* first, std::uint64_t length, std::uint32_t&) {
+                  if (tag != "PROJ" || length < sizeof(format::Projection)) return;
+                  std::uint8_t* const own = first + offsetof(format::Projection, crc32c);
+                  std::memset(own, 0, sizeof sum);
+                  sum = crc32c(first, length);
+                  std::memcpy(own, &sum, sizeof sum);
+                  sum = crc32c(first, length);
+                });
+  visitSections(bytes, sections,
+                [&](const std::string& tag, std::uint8_t* first, std::uint64_t length, std::uint32_t&) {
+                  if (tag == "PARM" && length == sizeof(format::Parameters))
+                    std::memcpy(first + offsetof(format::Parameters, projection_crc32c), &sum, sizeof sum);
+                });
+}
+
+void sumSections(Bytes& bytes, format::Header& header) {
+  visitSections(bytes, header.sections,
+                [&](const std::string& tag, const std::uint8_t* first, std::uint64_t length, std::uint32_t& sum) {
+                  sum = crc32c(first, length);
+                  if (tag == "PARM") header.descriptor_crc32c = sum;
+                });
 }
 
 /// Makes the header and all sums fit what follows.
@@ -80,6 +110,7 @@ void repair(Bytes& bytes) {
   header.file_bytes = bytes.size();
   const std::size_t room = (bytes.size() - sizeof header) / sizeof(format::Section);
   header.sections = static_cast<std::uint32_t>(std::min<std::size_t>({header.sections, format::kMaxSections, room}));
+  sumProjection(bytes, header.sections);
   sumSections(bytes, header);
   header.crc32c = 0;
   std::memcpy(bytes.data(), &header, sizeof header);

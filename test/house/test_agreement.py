@@ -2,6 +2,7 @@
 """What is written in two places says the same in both."""
 import pathlib
 import re
+import struct
 import subprocess
 import xml.etree.ElementTree as xml
 import zipfile
@@ -121,3 +122,17 @@ def test_demo_table_covers_the_catalogues(root):
         text = zipfile.ZipFile(path).read("PluginFurnitureCatalog.properties").decode("latin-1")
         found |= {name.strip().replace("\\u20ac", "€") for name in re.findall(r"^name#\d+=(.*)$", text, re.MULTILINE)}
     assert found == listed
+
+
+def sections_of(index):
+    data = index.read_bytes()
+    count = struct.unpack_from("<I", data, 24)[0]
+    return {data[64 + 32 * i:68 + 32 * i].decode() for i in range(count)}
+
+
+def test_the_fuzzer_starts_from_every_section_of_an_index(root):
+    headings = re.findall(r"^## (.*)$", (root / "doc/index_format.md").read_text(), re.MULTILINE)
+    documented = {tag for heading in headings for tag in re.findall(r"\b[A-Z]{3}[A-Z4]\b", heading)}
+    seeds = [sections_of(seed) for seed in (root / "test/data/fuzz").glob("*.vxi")]
+    assert len(documented) == 20
+    assert set.union(*seeds) == documented
