@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "../library/model_folder.h"
+#include "command.h"
 #include "voxid/core/descriptor.h"
 #include "voxid/library/mesh_reader.h"
 #include "voxid/library/model_view.h"
@@ -54,7 +55,8 @@ Result<Key> wantedKey(const Index& index, const std::string& wanted) {
 
 // ---- the picture -----------------------------------------------------------------------------------------------
 
-constexpr int kThumbnail = 150, kCaption = 22, kCellHeight = kThumbnail + kCaption, kColumns = 8;
+constexpr int kThumbnail = 150, kCaption = 22, kCellHeight = kThumbnail + kCaption;
+constexpr int kFewestColumns = 2, kMostColumns = 8;  // the title takes two
 constexpr std::size_t kMostDrawn = 48;
 
 /// The object alone, cut out square; near pixels bright, far ones dark.
@@ -137,7 +139,7 @@ std::vector<std::uint32_t> evenlyChosen(const std::vector<std::uint32_t>& views)
 }
 
 std::string titleOf(const Bucket& bucket, std::size_t drawn) {
-  std::string title = "key " + keyText(bucket.key) + ": " + std::to_string(bucket.views.size()) + " views";
+  std::string title = "key " + keyText(bucket.key) + ": " + counted(bucket.views.size(), "view");
   if (drawn < bucket.views.size()) title += ", " + std::to_string(drawn) + " of them drawn";
   return title;
 }
@@ -182,15 +184,16 @@ Result<cv::Mat> drawBucket(const Index& index, const Bucket& bucket, const std::
   if (!folder.ok()) return folder.status;
   Studio studio(models, folder.value);
   const std::vector<std::uint32_t> views = evenlyChosen(bucket.views);
-  const int rows = (static_cast<int>(views.size()) + kColumns - 1) / kColumns;
-  cv::Mat picture(kCaption + rows * kCellHeight, kColumns * kThumbnail, CV_8UC3, cv::Scalar(255, 255, 255));
+  const int columns = std::clamp(static_cast<int>(views.size()), kFewestColumns, kMostColumns);
+  const int rows = (static_cast<int>(views.size()) + columns - 1) / columns;
+  cv::Mat picture(kCaption + rows * kCellHeight, columns * kThumbnail, CV_8UC3, cv::Scalar(255, 255, 255));
   write(titleOf(bucket, views.size()), {6, 15}, picture);
   for (int i = 0; i < static_cast<int>(views.size()); ++i) {
     const std::uint32_t view = views[static_cast<std::size_t>(i)];
     const std::string name = nameOf(index, view);
     const auto seen = studio.look(name, index.view(view).direction);
     if (!seen.ok()) return seen.status;
-    const int x = i % kColumns * kThumbnail, y = kCaption + i / kColumns * kCellHeight;
+    const int x = i % columns * kThumbnail, y = kCaption + i / columns * kCellHeight;
     drawThumbnail(seen.value, name, picture({x, y, kThumbnail, kCellHeight}));
   }
   return picture;

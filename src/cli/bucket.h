@@ -17,8 +17,7 @@ struct Bucket {
 };
 
 /// By `wanted`: a key in hexadecimal as `describe` prints it ("0x..."), or "view:N", the bucket of the N-th view.
-/// BadUse for anything else and for a view that the index does not have; NothingFound for a key that no view has;
-/// CannotDo for an index without the paper's keys.
+/// BadUse for anything else and for a view that the index does not have; NothingFound for a key that no view has.
 Result<Bucket> findBucket(const Index& index, const std::string& wanted);
 
 /// key, views (list of view, model, direction).

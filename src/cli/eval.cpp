@@ -7,6 +7,7 @@
 #include "command.h"
 #include "compare.h"
 #include "compare_codes.h"
+#include "draw_confusion.h"
 #include "eval_memory.h"
 #include "eval_poses.h"
 #include "eval_queries.h"

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
@@ -59,10 +58,6 @@ Difference differenceOf(const std::vector<Query>& queries, const std::vector<Out
 
 /// Two decimals.
 double rounded(double x);
-
-/// Right category a row, answer a column, darker is more (share of the row); categories by name. At the end of a row:
-/// how many of how many are right, and the category that the others are mostly taken for.
-cv::Mat drawConfusion(const std::vector<Query>& queries, const std::vector<Outcome>& outcomes);
 
 /// Of an index; the surfaces that it keeps grow with the models and are not counted.
 double bytesPerView(const Index& index);

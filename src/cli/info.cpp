@@ -111,16 +111,16 @@ void printForPeople(const Index& index, bool with_categories) {
   std::printf("views        %u in %zu buckets\n", index.viewCount(), index.keys().size);
   std::printf("bytes        %llu, %.1f a view\n", static_cast<unsigned long long>(index.bytes()), bytesPerView(index));
   if (index.hasSurfaces())
-    std::printf("surfaces     %u models, %llu bytes, not among those of a view\n", surfaceCount(index),
-                static_cast<unsigned long long>(index.surfaceBytes()));
+    std::printf("surfaces     %s, %s, not among those of a view\n", counted(surfaceCount(index), "model").c_str(),
+                counted(index.surfaceBytes(), "byte").c_str());
   const std::uint32_t samples = index.calibration().samples;
   std::printf("calibration  %s\n",
               samples ? (std::to_string(samples) + " queries of its own models").c_str() : "built in");
   printExpectation(index);
   for (const Json& entry : licencesOf(index)) {
     const auto licence = entry["licence"].get<std::string>();
-    std::printf("licence      %s: %u models\n", licence.empty() ? "not stated" : licence.c_str(),
-                entry["models"].get<unsigned>());
+    std::printf("licence      %s: %s\n", licence.empty() ? "not stated" : licence.c_str(),
+                counted(entry["models"].get<unsigned>(), "model").c_str());
   }
 }
 

@@ -3,6 +3,7 @@ import pathlib
 import shutil
 
 import cv2
+import numpy as np
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -70,11 +71,23 @@ def test_the_table_has_a_row_a_method(voxid, index, queries, tmp_path):
     assert [line.split()[:2] for line in lines[2:4]] == [["default", "1nn"], ["default", "vote"]]
     assert lines[4].startswith("by vote, as synsets: top-1 ") and len(lines) == 5
     assert "83.33" in answer.out
-    picture = cv2.imread(str(tmp_path / "c.png"))
-    side, width = picture.shape[:2]
-    assert 120 < side < width
-    margin = picture[120:, side:]  # "5 of 6, cube" at the end of a row
-    assert (margin < 128).any() and (picture[:120, side:] == 255).all()
+
+
+def test_the_picture_of_the_confusion(voxid, index, queries, tmp_path):
+    """A row a category that was asked for: green where it is right, which `moon` never is, and a summary at its end."""
+    assert voxid("eval", "--index", index, "--queries", queries, "--confusion", tmp_path / "c.png").code == 0
+    picture = cv2.imread(str(tmp_path / "c.png")).astype(int)
+    names, summary, cell = 130, 200, 11
+    rows, columns = (picture.shape[0] - names) // cell, (picture.shape[1] - names - summary) // cell
+    asked = sorted({line.split(",")[1] for line in (queries / "queries.csv").read_text().split()[1:]})
+    assert rows == len(asked) == 5
+    centres = picture[names + 5::cell, names + 5:-summary:cell][:rows, :columns]
+    green = centres[:, :, 1] > centres[:, :, 2] + 20
+    right = [(row, row) for row in range(rows) if asked[row] != "moon"]
+    assert list(zip(*np.nonzero(green))) == right and columns >= rows
+    end = picture[names:, -summary:]
+    assert all((end[cell * row:cell * (row + 1)] < 128).any() for row in range(rows))
+    assert (picture[:names, -summary:] == 255).all()
 
 
 def test_bad_queries(voxid, index, queries, tmp_path):
