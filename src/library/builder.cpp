@@ -52,8 +52,8 @@ class Builder {
     if (!folder.ok()) return folder.status;
     folder_ = std::move(folder.value);
     if (folder_.models.empty())
-      return nothing("no mesh in " + options_.models +
-                     "; expected <category>/<model>.ply, .obj, ...; see doc/build.md");
+      return Status::nothingFound("no mesh in " + options_.models +
+                                  "; expected <category>/<model>.ply, .obj, ...; see doc/build.md");
     status = parts_.open(options_.out, options_.resume);
     if (status.ok()) status = renderModels(work(), refused_);
     if (status.ok()) status = merge();
@@ -97,8 +97,6 @@ class Builder {
     }
   }
 
-  Status nothing(const std::string& why) { return Status::nothingFound(why); }
-
   RenderWork work() const {
     RenderWork work{folder_, parts_.path(), listener_};
     work.jobs = options_.jobs;
@@ -133,8 +131,8 @@ class Builder {
     report_.categories = static_cast<int>(taught_.size());
     report_.models = static_cast<int>(whole_.models());
     if (report_.models == 0)
-      return nothing("no model of " + options_.models + " can be used; the first: " + report_.skipped[0].model + ": " +
-                     report_.skipped[0].reason);
+      return Status::nothingFound("no model of " + options_.models + " can be used; the first: " +
+                                  report_.skipped[0].model + ": " + report_.skipped[0].reason);
     return {};
   }
 

@@ -41,8 +41,6 @@ T valueOf(Result<T> result) {
   throw py::error_already_set();
 }
 
-// ---- points -------------------------------------------------------------------------------------------------------
-
 /// Of metres; points that are no numbers, or too far for micrometres in an int32, are left out.
 std::vector<PointUm> fromMetres(const double* metres, std::size_t count) {
   constexpr double kFarthest_m = 2147;
@@ -86,8 +84,6 @@ py::array_t<std::uint8_t> describePoints(const py::array& points, std::uint32_t 
   return bins;
 }
 static_assert(sizeof(PointUm) == 12, "rows of int32 are points");
-
-// ---- depth images ---------------------------------------------------------------------------------------------------
 
 using Intrinsics = std::array<double, 4>;
 
@@ -166,9 +162,6 @@ const Profile& shippedProfile() {
 py::array describeDepth(const py::array& depth, const py::object& mask, const Intrinsics& camera) {
   return codeOf(shippedProfile(), seenOf(depth, mask, camera));
 }
-
-// ---- index
-// ------------------------------------------------------------------------------------------------------------
 
 struct Found {
   py::array_t<std::uint32_t> views, distances;
@@ -278,9 +271,6 @@ py::tuple placeOf(const PyIndex& self, std::uint32_t view) {
     throw py::index_error("the index is damaged; `voxid verify` says where");
   return py::make_tuple(self.index().models()[entry.model].category, entry.model, entry.direction);
 }
-
-// ---- rendering
-// ----------------------------------------------------------------------------------------------------------
 
 Mesh meshOf(const py::object& vertices, const py::object& triangles) {
   const auto corners = py::array_t<float, py::array::c_style | py::array::forcecast>::ensure(vertices);

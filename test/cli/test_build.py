@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """voxid build: same bytes whatever happens on the way, and a reason for every model that is left out."""
+import contextlib
 import json
 import os
 import pathlib
+import pty
+import re
 import signal
 import subprocess
 import time
@@ -171,6 +174,30 @@ def test_a_file_that_crashes_its_reader_costs_itself(voxid, out, tmp_path):
     assert [skipped["model"] for skipped in done["skipped"]] == ["screw/forced.off"]
 
 
+def test_a_terminal_sees_a_bar_that_has_left_before_the_report(out, tmp_path):
+    solids.write_ply(tmp_path / "in" / "cube" / "a.ply", solids.box(1, 1, 1))
+    (tmp_path / "in" / "cube" / "b.ply").write_text("ply")
+    ours, theirs = pty.openpty()
+    words = [PROGRAM, "build", "--models", tmp_path / "in", "--out", out, "--views-every", 16]
+    running = subprocess.Popen([str(word) for word in words], stdout=subprocess.PIPE, stderr=theirs)
+    os.close(theirs)
+    said = b""
+    with contextlib.suppress(OSError):  # how a terminal ends that nobody writes to any more
+        while block := os.read(ours, 4096):
+            said += block
+    os.close(ours)
+    assert running.wait(timeout=60) == 0 and running.stdout.read() == b""
+    bar, report = said.decode().rsplit("\r\x1b[K", 1)
+    assert re.search(r"\[#+\] 2/2 models, \d+ views/s, 0:00 left, 1 skipped$", bar), bar
+    assert re.fullmatch(r"voxid: skipped cube/b.ply: .*\r\nvoxid: .*: 5 views of 1 models .*\r\n", report), report
+
+
+def test_without_a_terminal_only_the_report_is_said(voxid, models, out):
+    answer = build(voxid, models, out)
+    assert answer.out == "" and answer.err.startswith(f"voxid: {out}: 140 views of 7 models in 6 categories")
+    assert len(answer.err.splitlines()) == 1
+
+
 def test_no_model_left(voxid, out, tmp_path):
     (tmp_path / "models" / "cube").mkdir(parents=True)
     build(voxid, tmp_path / "models", out).refuses(3, "no mesh")
@@ -208,11 +235,7 @@ def test_licence_origin_and_synset_arrive_in_the_index(voxid, out, tmp_path):
     assert build(voxid, models, out).code == 0
     info = voxid("info", out, "--json", "--categories").json
     assert {"licence": "CC-BY-4.0", "models": 1} in info["licences"]
-    text = out.read_bytes()
-    assert b"Ann; a shelf; https://example.org/\0" in text
-    categories = info["categories"]
-    synsets = {entry["name"]: entry["synset"] for entry in categories} if isinstance(categories, list) else None
-    if synsets is not None:
-        assert synsets == {"cube": 0, "mug": 3797390}
+    assert b"Ann; a shelf; https://example.org/\0" in out.read_bytes()
+    assert [(entry["name"], entry["synset"]) for entry in info["category_list"]] == [("cube", 0), ("mug", 3797390)]
     (models / "library.json").write_text("[1, 2")
     build(voxid, models, out).refuses(4, "library.json")
