@@ -2,6 +2,11 @@
 #include "index_watch.h"
 
 namespace voxid {
+namespace {
+
+constexpr auto kLookEvery = std::chrono::milliseconds(500);
+
+}  // namespace
 
 void IndexWatch::start(const std::string& path, bool watch) {
   path_ = path;
@@ -10,14 +15,14 @@ void IndexWatch::start(const std::string& path, bool watch) {
     trouble_ = "no index is given, so labels stay empty: set ~index to a file that 'voxid build' wrote";
     return;
   }
-  next_look_ = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  next_look_ = std::chrono::steady_clock::now() + kLookEvery;
   reopen(stampOf(path_));
 }
 
 bool IndexWatch::refresh() {
   const auto now = std::chrono::steady_clock::now();
   if (path_.empty() || now < next_look_ || (index_ && !watch_)) return false;
-  next_look_ = now + std::chrono::seconds(1);
+  next_look_ = now + kLookEvery;
   const Stamp stamp = stampOf(path_);
   return !equal(stamp, opened_) && reopen(stamp);
 }

@@ -18,7 +18,7 @@ class IndexWatch {
   /// `watch` false: the file is opened once and never looked at again (a missing one is still waited for).
   void start(const std::string& path, bool watch);
 
-  /// Looks at the file, at most once a second. True if `index()` is another one than before.
+  /// Looks at the file, at most twice a second. True if `index()` is another one than before.
   bool refresh();
 
   const std::shared_ptr<const Index>& index() const { return index_; }
