@@ -111,7 +111,7 @@ Contender hashSearch(const std::shared_ptr<const Index>& index) {
   contender.name = lists ? "query/default" : "query/paper_key";
   contender.knob = lists ? "lists" : "radius_bits";
   contender.settings = lists ? std::vector<int>{4, 8, 16, 24, 32, 48, 64, 128} : std::vector<int>{0, 2, 4, 6, 8};
-  contender.main_setting = lists ? SearchParams().lists : SearchParams().radius_bits;
+  contender.main_setting = lists ? SearchParams().lists : kPaperRadiusBits;
   contender.bytes_per_view = bytesPerView(*index);
   const auto search = std::make_shared<std::unique_ptr<Search>>();
   contender.prepare = [search, index, lists](int setting) {

@@ -232,7 +232,8 @@ std::unique_ptr<Search> makeExactSearch(std::shared_ptr<const Index> index) {
 
 std::unique_ptr<Search> makeSearch(std::shared_ptr<const Index> index, const SearchParams& params) {
   if (!index->projection()) {
-    if (!params.exact) return makeLshSearch(std::move(index), params.radius_bits);
+    const bool exact = params.exact || params.radius_bits < 0;
+    if (!exact) return makeLshSearch(std::move(index), params.radius_bits);
     return sketchesOf(*index).empty() ? makeExactSearch(std::move(index)) : makeSketchSearch(std::move(index));
   }
   auto search = params.exact ? makeExactSearch(index) : makeListSearch(index, params.lists);

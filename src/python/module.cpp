@@ -187,7 +187,7 @@ class PyIndex {
     std::vector<Neighbour> found;
     {
       py::gil_scoped_release release;
-      const SearchParams params{exact, SearchParams{}.radius_bits, lists};
+      const SearchParams params{exact, kPaperRadiusBits, lists};
       auto search = take(params);
       const Nearest& nearest = search->find(query.data());
       const std::size_t most = std::min<std::size_t>(nearest.views.size, static_cast<std::size_t>(count));

@@ -173,6 +173,18 @@ TEST_F(SketchSearchTest, ComparesOnlyAFewWhereSketchesTell) {
   EXPECT_LT(makeSearch(index, {})->find(index->code(512)).scanned, 600u);
 }
 
+TEST_F(SketchSearchTest, IsWhatTheChainUsesUnlessItHasARadius) {
+  const auto index = test::writtenIndex(folder_, content());
+  ClassifyParams params;
+  const auto exact = makeExactSearch(index), usual = makeSearch(index, searchParamsOf(params));
+  params.radius_bits = 0;
+  const auto key = makeSearch(index, searchParamsOf(params));
+  const Code code = test::randomCode(random_);
+  const Neighbours nearest = listOf(exact->find(code.data()).views);
+  EXPECT_EQ(listOf(usual->find(code.data()).views), nearest);
+  EXPECT_NE(listOf(key->find(code.data()).views), nearest);
+}
+
 TEST_F(SketchSearchTest, ASmallIndexHasNoSketches) {
   const auto index = test::writtenIndex(folder_, test::randomContent(3, 2, 2, 5));
   EXPECT_TRUE(sketchesOf(*index).empty());

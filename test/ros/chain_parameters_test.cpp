@@ -29,9 +29,8 @@ struct Setting {
   int value, usual;
 };
 template <typename Params>
-std::vector<Setting> settingsOf() {
+std::vector<Setting> settingsOf(Params params = {}) {
   std::vector<Setting> settings;
-  Params params;
   visitParams(params, [&](const char* name, auto& value, auto least, auto most) {
     const bool boolean = std::is_same_v<std::decay_t<decltype(value)>, bool>;
     for (const int limit : {static_cast<int>(least), static_cast<int>(most)})
@@ -40,8 +39,7 @@ std::vector<Setting> settingsOf() {
   return settings;
 }
 template <typename Params>
-Params with(const Setting& setting) {
-  Params params;
+Params with(const Setting& setting, Params params = {}) {
   visitParams(params, [&](const char* name, auto& value, auto, auto) {
     if (name == setting.name) value = static_cast<std::decay_t<decltype(value)>>(setting.value);
   });
@@ -147,7 +145,8 @@ int threads() {
 /// Of each parameter both limits; those that made a difference in the next frame.
 class ClassificationSettings : public Chain {
  protected:
-  std::set<std::string> seen() {
+  std::set<std::string> seen(const ClassifyParams& usual) {
+    node_.setParam("classification/radius_bits", usual.radius_bits);
     node_.setParam("classification/memory", false);  // each frame by itself
     start();
     const std::shared_ptr<const Index> index = Index::open(index_path_).value;
@@ -155,13 +154,13 @@ class ClassificationSettings : public Chain {
     const Listener<Objects>::Ptr first = answerTo(scene_, objects_);
     if (!first) return seen;
     const int threads_before = threads();
-    for (const Setting& setting : settingsOf<ClassifyParams>()) {
+    for (const Setting& setting : settingsOf(usual)) {
       reconfigure(name_ + "/classification", setting.name, setting.boolean, setting.value);
       const ObjectsConstPtr heard = objects_.wait(show(scene_), 5);
       if (!heard) return {};
-      const std::vector<Object> expected = answers(index, with<ClassifyParams>(setting));
+      const std::vector<Object> expected = answers(index, with(setting, usual));
       expectSame(*heard, expected, setting.name + " = " + std::to_string(setting.value));
-      if (differ(expected, answers(index, {})) || threads() != threads_before) seen.insert(setting.name);
+      if (differ(expected, answers(index, usual)) || threads() != threads_before) seen.insert(setting.name);
       if (setting.name == "threads") {
         EXPECT_EQ(threads(), threads_before + setting.value - setting.usual);
       }
@@ -198,7 +197,9 @@ class ClassificationSettings : public Chain {
 
 TEST_F(ClassificationSettings, WorkInTheNextFrameByTheKeysOfThePapersDescriptor) {
   ASSERT_TRUE(writeIndex(test::randomContent(12, 3, 4, 5), index_path_).ok());
-  EXPECT_EQ(seen(), (std::set<std::string>{"exact", "min_score_permille", "radius_bits", "threads", "vote"}));
+  ClassifyParams keys;
+  keys.radius_bits = kPaperRadiusBits;
+  EXPECT_EQ(seen(keys), (std::set<std::string>{"exact", "min_score_permille", "radius_bits", "threads", "vote"}));
 }
 
 TEST_F(ClassificationSettings, WorkInTheNextFrameByTheListsOfTheDefault) {
@@ -213,7 +214,7 @@ TEST_F(ClassificationSettings, WorkInTheNextFrameByTheListsOfTheDefault) {
     }
   }
   ASSERT_TRUE(writeIndex(content, index_path_).ok());
-  EXPECT_EQ(seen(), (std::set<std::string>{"exact", "lists", "min_score_permille", "threads", "vote"}));
+  EXPECT_EQ(seen({}), (std::set<std::string>{"exact", "lists", "min_score_permille", "threads", "vote"}));
 }
 
 }  // namespace

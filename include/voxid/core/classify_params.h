@@ -6,10 +6,10 @@ namespace voxid {
 
 /// How objects are named.
 struct ClassifyParams {
-  /// Compare with every view instead of the nearest buckets or lists only: exact, and some eight times the time of the search at 240,000 views, too long for ten objects 30 times a second.
+  /// Compare with every view instead of the nearest buckets or lists only. In an index of descriptor default some eight times the time of 64 lists at 240,000 views, too long for ten objects 30 times a second.
   bool exact = false;
-  /// Hamming radius of the bucket search (Sec. IV.B, k = 4), in an index of descriptor paper. Larger finds more and costs more. [0 to 52]
-  int radius_bits = 4;
+  /// Hamming radius of the paper's bucket search (Sec. IV.B: 4), in an index of descriptor paper; larger finds more and costs more. -1: no buckets but exact search, which the sketches of an index of 1,024 views or more make twice as fast as radius 4. [-1 to 52]
+  int radius_bits = -1;
   /// Nearest lists that are compared, in an index of descriptor default. More find more and cost more. [1 to 65536]
   int lists = 64;
   /// Let the ten nearest views vote instead of taking the nearest alone.
@@ -24,7 +24,7 @@ struct ClassifyParams {
 template <typename Visit>
 void visitParams(ClassifyParams& params, Visit visit) {
   visit("exact", params.exact, false, true);
-  visit("radius_bits", params.radius_bits, 0, 52);
+  visit("radius_bits", params.radius_bits, -1, 52);
   visit("lists", params.lists, 1, 65536);
   visit("vote", params.vote, false, true);
   visit("threads", params.threads, 1, 16);

@@ -42,9 +42,11 @@ class Search {
 /// Compares with every view: the definition that every other search is measured against.
 std::unique_ptr<Search> makeExactSearch(std::shared_ptr<const Index> index);
 
+constexpr int kPaperRadiusBits = 4;  ///< the paper's k (Sec. IV.B)
+
 /// The paper's locality-sensitive hashing (Sec. IV.B), for an index of profile "paper": the buckets whose keys lie
-/// within `radius` bits of the query's are compared in full. The ball grows by two bits until it holds at least five
-/// categories (or everything).
+/// within `radius_bits` of the query's (0 to 52, clamped) are compared in full. The ball grows by two bits until it
+/// holds at least five categories (or everything).
 std::unique_ptr<Search> makeLshSearch(std::shared_ptr<const Index> index, int radius_bits);
 
 /// The learnt hash of profile "default": the `lists` lists whose centroids lie nearest the query are compared in full,
@@ -56,8 +58,8 @@ std::unique_ptr<Search> makeListSearch(std::shared_ptr<const Index> index, int l
 /// Exact (of "paper" by sketches, where the index has them: sketch.h), or the hash search of the index's profile.
 struct SearchParams {
   bool exact = true;
-  int radius_bits = 4;  ///< "paper": 0 to 52, clamped
-  int lists = 32;       ///< "default": 1 to 65,536, clamped
+  int radius_bits = kPaperRadiusBits;  ///< "paper": 0 to 52, clamped; below 0: exact
+  int lists = 32;                      ///< "default": 1 to 65,536, clamped
 };
 inline bool operator==(const SearchParams& a, const SearchParams& b) {
   return a.exact == b.exact && a.radius_bits == b.radius_bits && a.lists == b.lists;
