@@ -98,18 +98,6 @@ TEST(ShapeDistribution, HonoursIndices) {
   expectBins(signature, Describer().describe(test::spanOf(test::mug())).bins);
 }
 
-TEST(ShapeDistribution, LeavesOutPointsThatAreNowhere) {
-  const auto cloud = toPcl(test::mug());
-  cloud->is_dense = false;
-  cloud->insert(cloud->begin(), {kNaN, 0, 1});
-  cloud->push_back({0, std::numeric_limits<float>::infinity(), 1});
-  cloud->push_back({0, 0, -3e9f});
-  ShapeDistributionEstimation<pcl::PointXYZ> estimation;
-  Signatures signature;
-  estimate(estimation, cloud, signature);
-  expectBins(signature, Describer().describe(test::spanOf(test::mug())).bins);
-}
-
 // ESF never returns from two points, or from fifty equal ones.
 TEST(ShapeDistribution, AnswersDegenerateCloudsWithAStatus) {
   ShapeDistributionEstimation<pcl::PointXYZ> estimation;
@@ -138,6 +126,60 @@ TEST(ShapeDistribution, AnswersLinesPlanesAndAMillionPointsAsTheCoreDoes) {
     estimate(estimation, toPcl(cloud), signature);
     expectBins(signature, Describer().describe(test::spanOf(cloud)).bins);
   }
+}
+
+TEST(ShapeDistribution, LeavesOutEveryNumberThatIsNoPlace) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity(), kMost = std::numeric_limits<float>::max();
+  ShapeDistributionEstimation<pcl::PointXYZ> estimation;
+  Signatures signature;
+  const auto mug = toPcl(test::mug());
+  for (const float bad : {kNaN, kInfinity, -kInfinity, 1e30f, -1e30f, kMost, -kMost, 2147.1f, -2147.1f}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      pcl::PointXYZ point(0.1f, 0.2f, 1);
+      point.data[axis] = bad;
+      const pcl::PointCloud<pcl::PointXYZ>::Ptr cloud(new pcl::PointCloud<pcl::PointXYZ>);
+      cloud->insert(cloud->end(), 1000, point);
+      cloud->is_dense = false;
+      estimate(estimation, cloud, signature);
+      EXPECT_EQ(estimation.getStatus(), DescribeStatus::Empty) << bad;
+      EXPECT_TRUE(signature.empty());
+      cloud->insert(cloud->end(), mug->begin(), mug->end());
+      estimate(estimation, cloud, signature);
+      expectBins(signature, Describer().describe(test::spanOf(test::mug())).bins);
+    }
+  }
+}
+
+/// The farthest places that are still described, as micrometres near the limits of an int32.
+TEST(ShapeDistribution, DescribesCloudsAtTheLimits) {
+  constexpr float kFarthest_m = 2147, kSmallest = std::numeric_limits<float>::denorm_min();
+  const std::int32_t farthest_um = 2147000000;
+  pcl::PointCloud<pcl::PointXYZ>::Ptr corners(new pcl::PointCloud<pcl::PointXYZ>),
+      dust(new pcl::PointCloud<pcl::PointXYZ>);
+  test::Cloud expected;
+  for (int i = 0; i < 8; ++i) {
+    const auto sign = [i](int axis) { return (i >> axis & 1) ? 1 : -1; };
+    corners->push_back({sign(0) * kFarthest_m, sign(1) * kFarthest_m, sign(2) * kFarthest_m});
+    expected.push_back({sign(0) * farthest_um, sign(1) * farthest_um, sign(2) * farthest_um});
+    dust->push_back({sign(0) * kSmallest, sign(1) * kSmallest, sign(2) * kSmallest});
+  }
+  ShapeDistributionEstimation<pcl::PointXYZ> estimation;
+  Signatures signature;
+  estimate(estimation, corners, signature);
+  const Described described = Describer().describe(test::spanOf(expected));
+  ASSERT_EQ(described.status, DescribeStatus::Ok);
+  expectBins(signature, described.bins);
+  estimate(estimation, dust, signature);
+  EXPECT_EQ(estimation.getStatus(), DescribeStatus::Degenerate) << "one place, to a micrometre";
+}
+
+TEST(ShapeDistribution, NoIndicesAreNoPoints) {
+  ShapeDistributionEstimation<pcl::PointXYZ> estimation;
+  estimation.setIndices(pcl::IndicesPtr(new pcl::Indices));
+  Signatures signature;
+  estimate(estimation, toPcl(test::mug()), signature);
+  EXPECT_TRUE(signature.empty());
+  EXPECT_EQ(estimation.getStatus(), DescribeStatus::Empty);
 }
 
 TEST(ShapeDistribution, TakesTheParametersOfTheDescriptor) {
