@@ -7,6 +7,7 @@ import pathlib
 import pty
 import re
 import signal
+import struct
 import subprocess
 import time
 
@@ -27,6 +28,13 @@ def nothing_left_beside(out):
     return sorted(path.name for path in out.parent.iterdir() if path != out) == []
 
 
+def sections_of(index, *tags):
+    """Their bytes (doc/index_format.md)."""
+    entries = struct.iter_unpack("<4s4xQQ8x", index[64:64 + 32 * struct.unpack_from("<I", index, 24)[0]])
+    places = {tag.decode(): slice(offset, offset + length) for tag, offset, length in entries}
+    return [index[places[tag]] for tag in tags]
+
+
 @pytest.fixture
 def out(tmp_path):
     (tmp_path / "out").mkdir()
@@ -45,6 +53,16 @@ def test_bytes_do_not_depend_on_the_number_of_jobs(voxid, models, out, expected,
     assert build(voxid, models, out, "--jobs", jobs).code == 0
     assert out.read_bytes() == expected
     assert nothing_left_beside(out)
+
+
+def test_kept_surfaces_do_not_depend_on_the_number_of_jobs_and_leave_the_views_alone(voxid, models, out, expected):
+    assert build(voxid, models, out, "--keep-points", "--jobs", 1).code == 0
+    kept = out.read_bytes()
+    assert build(voxid, models, out, "--keep-points", "--jobs", 5).code == 0
+    assert out.read_bytes() == kept
+    line = voxid("info", out, "--json").json
+    assert line["surfaces"] == line["models"] == 7
+    assert all(section in kept for section in sections_of(expected, "VIE4", "CODE", "KEYS", "BKTV"))
 
 
 def test_bytes_do_not_depend_on_where_the_models_lie_or_on_links(voxid, models, out, expected, tmp_path):

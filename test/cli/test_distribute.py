@@ -86,6 +86,15 @@ def test_a_local_cluster_makes_the_same_bytes(voxid, models, out, expected):
     assert [path.name for path in out.parent.iterdir()] == ["index.vxi"]
 
 
+def test_surfaces_are_kept_over_a_cluster_as_by_one_process(voxid, models, out, tmp_path):
+    options = ("--models", models, "--views-every", 16, "--keep-points")
+    assert voxid("build", *options, "--out", tmp_path / "one.vxi", "--jobs", 1).code == 0
+    answer = voxid("build", *options, "--out", out, "--workers", 2)
+    assert answer.code == 0, answer.err
+    assert out.read_bytes() == (tmp_path / "one.vxi").read_bytes()
+    assert voxid("info", out, "--json").json["surfaces"] == 7
+
+
 class Build:
     """`voxid build --scheduler` under way, one model a task, so that there is a way to be killed on."""
 
