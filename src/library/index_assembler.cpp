@@ -82,6 +82,11 @@ T withZeros(T entry) {
   return entry;
 }
 
+template <typename T>
+Span<const T> only(const T& entry) {
+  return {&entry, 1};
+}
+
 /// All but the views: what the next model is compared with.
 ModelRecord headOf(const ModelRecord& model) {
   return {model.category, model.name, model.licence, model.origin, model.synset, {}, model.sense, model.hypernyms};
@@ -249,46 +254,36 @@ format::Header IndexAssembler::Parts::header(const format::Parameters& parameter
 
 void IndexAssembler::Parts::writeSections(FileBeside& file, const format::Calibration& calibration,
                                           const std::optional<format::Confidence>& confidence) {
-  std::vector<const char*> tags{"PARM", "CATS", "MODL", "DIRS", "VIEW", "CODE", "KEYS", "BKTO", "BKTV", "STRS", "CALB"};
-  if (profile.projection)
-    tags = {"PARM", "CATS", "MODL", "DIRS", "VIE4", "PROJ", "CODE", "MEAN", "KEYS", "BKTO", "BKTV", "STRS", "CALB"};
-  if (!senses.empty()) tags.push_back("SYNS");
-  if (!hypernyms.empty()) tags.push_back("HYPR");
-  if (confidence) tags.push_back("CONF");
-  if (isSketched()) tags.push_back("SUMS");
-  if (hasSurfaces()) tags.insert(tags.end(), {"SURO", "SURF"});
-
   const format::Parameters parameters = parametersOf(profile);
+  const format::Calibration curve = withZeros(calibration);
+  const format::Confidence odds = confidence ? withZeros(*confidence) : format::Confidence{};
+  std::transform(directions.begin(), directions.end(), directions.begin(), withZeros<format::Direction>);
   format::Header head = header(parameters);
   if (confidence) head.minor = std::max(head.minor, format::kMinorConfidence);
-  const format::Calibration curve = withZeros(calibration);
-  std::transform(directions.begin(), directions.end(), directions.begin(), withZeros<format::Direction>);
-  SectionWriter out(file, tags);
-  out.section(&parameters, sizeof parameters);
-  out.section(categories);
-  out.section(models);
-  out.section(directions);
-  out.section(views);
-  if (profile.projection) out.section(profile.projection->bytes().data, profile.projection->bytes().size);
-  out.section(codes);
-  if (profile.projection) out.section(means);
-  out.section(buckets.keys());
-  out.section(buckets.offsets());
-  out.section(buckets.views());
-  out.section(strings.bytes().data(), strings.bytes().size());
-  out.section(&curve, sizeof curve);
-  if (!senses.empty()) out.section(senses);
-  if (!hypernyms.empty()) out.section(hypernyms);
-  if (confidence) {
-    const format::Confidence entry = withZeros(*confidence);
-    out.section(&entry, sizeof entry);
-  }
-  if (isSketched()) out.section(sketches);
+
+  SectionWriter out;
+  out.add("PARM", only(parameters));
+  out.add("CATS", categories);
+  out.add("MODL", models);
+  out.add("DIRS", directions);
+  out.add(profile.projection ? "VIE4" : "VIEW", views);
+  if (profile.projection) out.add("PROJ", profile.projection->bytes());
+  out.add("CODE", codes);
+  if (profile.projection) out.add("MEAN", means);
+  out.add("KEYS", buckets.keys());
+  out.add("BKTO", buckets.offsets());
+  out.add("BKTV", buckets.views());
+  out.add("STRS", Span<const char>{strings.bytes().data(), strings.bytes().size()});
+  out.add("CALB", only(curve));
+  if (!senses.empty()) out.add("SYNS", senses);
+  if (!hypernyms.empty()) out.add("HYPR", hypernyms);
+  if (confidence) out.add("CONF", only(odds));
+  if (isSketched()) out.add("SUMS", sketches);
   if (hasSurfaces()) {
-    out.section(surface_offsets);
-    out.section(surfaces);
+    out.add("SURO", surface_offsets);
+    out.add("SURF", surfaces);
   }
-  out.finish(head);
+  out.write(file, head);
 }
 
 IndexAssembler::IndexAssembler(const Profile& profile, std::vector<format::Direction> directions,
