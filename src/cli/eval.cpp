@@ -240,78 +240,102 @@ Status run(const Options& options) {
   return options.comparing ? compare(options, index.value) : evaluate(options, index.value);
 }
 
+// What is measured. Those that cannot go together exclude one another.
+struct Modes {
+  CLI::Option *queries, *scenes, *comparing, *retrieval, *unknown, *posing;
+};
+
+Modes addModes(CLI::App& app, Options& options) {
+  Modes modes{};
+  modes.queries = app.add_option("--queries", options.queries,
+                                 "Depth images of one object each, with queries.csv (file,category,model)")
+                      ->type_name("DIR");
+  modes.scenes = app.add_option("--scenes", options.scenes.folder,
+                                "Real scenes with labels and objects.json, instead of --queries")
+                     ->type_name("DIR");
+  modes.comparing =
+      app.add_flag("--compare", options.comparing,
+                   "Descriptors beside one another on the same views, PCL's ESF among them; with --poses: "
+                   "PCL's SampleConsensusPrerejective and ICP on each N-th view of a member (--every)");
+  modes.retrieval = app.add_flag("--retrieval", options.retrieval,
+                                 "Whole models asked for among whole models, instead of views; needs no index")
+                        ->excludes(modes.queries, modes.scenes, modes.comparing);
+  modes.unknown =
+      app.add_flag("--unknown", options.unknown,
+                   "Whether scores say how likely an answer is right, and are low where its category is not there")
+          ->excludes(modes.comparing, modes.retrieval, modes.scenes);
+  CLI::Option* const memory =
+      app.add_flag("--memory", options.memory,
+                   "What several frames say more than one: models of --unseen on a circle of twelve frames")
+          ->excludes(modes.queries, modes.scenes, modes.comparing, modes.retrieval, modes.unknown);
+  modes.posing =
+      app.add_flag("--poses", options.posing, "Poses and sizes of models, on views drawn anew whose pose is known")
+          ->excludes(modes.queries, modes.scenes, modes.retrieval, modes.unknown, memory);
+  return modes;
+}
+
+void addOfScenes(CLI::App& app, SceneOptions& scenes, CLI::Option* mode) {
+  const auto addFile = [&](const char* name, std::string& file, const char* about) {
+    app.add_option(name, file, about)->type_name("FILE")->needs(mode);
+  };
+  addFile("--categories", scenes.categories,
+          "With --scenes: a file of categories, one a line, that alone may be answers in further rows");
+  addFile("--aliases", scenes.aliases,
+          "With --scenes: a JSON file of what their categories may be called (default: cfg/aliases.json)");
+  addFile("--look-alikes", scenes.look_alikes,
+          "With --scenes: a YAML file of shapes that nobody can tell apart (default: cfg/look_alikes.yaml)");
+  scenes.evidence.addTo(app);
+}
+
+void addOfPoses(CLI::App& app, PoseOptions& poses, CLI::Option* mode) {
+  app.add_option("--objects", poses.objects, "With --poses: so many views of members, and of unseen models")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1000000))
+      ->needs(mode);
+  app.add_option("--seed", poses.seed, "With --poses: draws the models and their views")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1} << 31))
+      ->needs(mode);
+}
+
+void addModels(CLI::App& app, Options& options) {
+  app.add_option("--models", options.compare.models,
+                 "With --compare, --unknown, --poses, --evidence align: the folder that the index was made from; with "
+                 "--retrieval: the models searched")
+      ->type_name("DIR");
+  app.add_option("--unseen", options.unseen,
+                 "With --retrieval, --memory, --poses: the models asked for, <category>/<model>.<ext>")
+      ->type_name("DIR");
+}
+
+void addWork(CLI::App& app, Options& options) {
+  app.add_option("--every", options.every,
+                 "Take each N-th query only; with --compare every query, and each N-th view of the index; with --poses "
+                 "--compare: what PCL is asked for")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1000000));
+  app.add_option("--jobs", options.jobs,
+                 "Threads or processes; more finish sooner, but a query's time is measured best with 1, the default")
+      ->type_name("N")
+      ->check(CLI::Range(1, 256));
+  options.search.addTo(app);
+}
+
 }  // namespace
 
 Run addEval(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   app.add_option("--index", options->index, "The index (.vxi) to measure")->type_name("FILE");
-  CLI::Option* const queries = app.add_option("--queries", options->queries,
-                                              "Depth images of one object each, with queries.csv (file,category,model)")
-                                   ->type_name("DIR");
-  CLI::Option* const scenes = app.add_option("--scenes", options->scenes.folder,
-                                             "Real scenes with labels and objects.json, instead of --queries")
-                                  ->type_name("DIR");
-  app.add_option("--categories", options->scenes.categories,
-                 "With --scenes: a file of categories, one a line, that alone may be answers in further rows")
-      ->type_name("FILE")
-      ->needs(scenes);
-  app.add_option("--aliases", options->scenes.aliases,
-                 "With --scenes: a JSON file of what their categories may be called (default: cfg/aliases.json)")
-      ->type_name("FILE")
-      ->needs(scenes);
-  app.add_option("--look-alikes", options->scenes.look_alikes,
-                 "With --scenes: a YAML file of shapes that nobody can tell apart (default: cfg/look_alikes.yaml)")
-      ->type_name("FILE")
-      ->needs(scenes);
-  options->scenes.evidence.addTo(app);
-  CLI::Option* const comparing =
-      app.add_flag("--compare", options->comparing,
-                   "Descriptors beside one another on the same views, PCL's ESF among them; with --poses: "
-                   "PCL's SampleConsensusPrerejective and ICP on each N-th view of a member (--every)");
-  CLI::Option* const retrieval =
-      app.add_flag("--retrieval", options->retrieval,
-                   "Whole models asked for among whole models, instead of views; needs no index")
-          ->excludes(queries, scenes, comparing);
-  CLI::Option* const unknown =
-      app.add_flag("--unknown", options->unknown,
-                   "Whether scores say how likely an answer is right, and are low where its category is not there")
-          ->excludes(comparing, retrieval, scenes);
-  app.add_option("--plot", options->plot, "With --unknown: draw the reliability diagram and the risk over the coverage")
-      ->type_name("PATH.png")
-      ->needs(unknown);
-  app.add_option("--models", options->compare.models,
-                 "With --compare, --unknown, --poses, --evidence align: the folder that the index was made from; with "
-                 "--retrieval: the models searched")
-      ->type_name("DIR");
-  app.add_flag("--memory", options->memory,
-               "What several frames say more than one: models of --unseen on a circle of twelve frames")
-      ->excludes(queries, scenes, comparing, retrieval, unknown);
-  app.add_option("--unseen", options->unseen,
-                 "With --retrieval, --memory, --poses: the models asked for, <category>/<model>.<ext>")
-      ->type_name("DIR");
-  CLI::Option* const posing =
-      app.add_flag("--poses", options->posing, "Poses and sizes of models, on views drawn anew whose pose is known")
-          ->excludes(queries, scenes, retrieval, unknown);
-  app.add_option("--objects", options->poses.objects, "With --poses: so many views of members, and of unseen models")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1000000))
-      ->needs(posing);
-  app.add_option("--seed", options->poses.seed, "With --poses: draws the models and their views")
-      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1} << 31))
-      ->needs(posing);
-  app.add_option("--every", options->every,
-                 "Take each N-th query only; with --compare every query, and each N-th view of the index; with --poses "
-                 "--compare: what PCL is asked for")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1000000));
-  app.add_option("--jobs", options->jobs,
-                 "Threads or processes; more finish sooner, but a query's time is measured best with 1, the default")
-      ->type_name("N")
-      ->check(CLI::Range(1, 256));
-  options->search.addTo(app);
+  const Modes modes = addModes(app, *options);
+  addModels(app, *options);
+  addOfScenes(app, options->scenes, modes.scenes);
+  addOfPoses(app, options->poses, modes.posing);
+  addWork(app, *options);
   app.add_flag("--json", options->json, "One JSON object");
   app.add_option("--confusion", options->confusion, "Draw which category was taken for which (method vote)")
       ->type_name("PATH.png");
+  app.add_option("--plot", options->plot, "With --unknown: draw the reliability diagram and the risk over the coverage")
+      ->type_name("PATH.png")
+      ->needs(modes.unknown);
   return [options] { return run(*options); };
 }
 
