@@ -6,13 +6,12 @@
 #include <cinttypes>
 #include <cstdio>
 #include <cstdlib>
-#include <map>
 #include <opencv2/imgproc.hpp>
 
-#include "../library/model_folder.h"
 #include "command.h"
 #include "voxid/core/descriptor.h"
 #include "voxid/library/mesh_reader.h"
+#include "voxid/library/model_shelf.h"
 #include "voxid/library/model_view.h"
 
 namespace voxid::cli {
@@ -30,7 +29,7 @@ std::string keyText(Key key) {
 std::string nameOf(const Index& index, std::uint32_t view) {
   const std::uint32_t model = index.modelOf(view);
   if (model >= index.models().size) return {};  // a damaged file; `verify` says where
-  return std::string(index.categoryName(index.models()[model].category)) + "/" + std::string(index.modelName(model));
+  return fullNameOf(index, model);
 }
 
 bool parse(const std::string& digits, int base, std::uint64_t& number) {
@@ -85,11 +84,7 @@ cv::Mat thumbnailOf(const ModelView& seen) {
 /// Renders views of models; keeps the last model's scene, as views of a model follow one another.
 class Studio {
  public:
-  Studio(const std::string& folder, const ModelFolder& models) : folder_(folder) {
-    for (const ModelFile& model : models.models) {
-      paths_.emplace(model.category + "/" + model.name, model.path);  // the first of a name, as in a build
-    }
-  }
+  explicit Studio(const std::string& folder) : folder_(folder) {}
 
   Result<ModelView> look(const std::string& model, int direction) {
     if (model != model_) {
@@ -101,12 +96,9 @@ class Studio {
 
  private:
   Status load(const std::string& model) {
-    const auto path = paths_.find(model);
-    if (path == paths_.end()) {
-      return Status::cannotDo(folder_ + ": no mesh of " + model +
-                              "; --models expects the folder that the index was made from");
-    }
-    const auto mesh = readMeshFile(path->second);
+    const auto path = meshOf(folder_, model);
+    if (!path.ok()) return path.status;
+    const auto mesh = readMeshFile(path.value);
     if (!mesh.ok()) return mesh.status;
     scene_ = RayScene();
     scene_.add(mesh.value, unitPlacement(mesh.value));
@@ -116,7 +108,6 @@ class Studio {
   }
 
   std::string folder_, model_;
-  std::map<std::string, std::string> paths_;
   RayScene scene_;
 };
 
@@ -180,9 +171,7 @@ void printBucket(const Index& index, const Bucket& bucket) {
 }
 
 Result<cv::Mat> drawBucket(const Index& index, const Bucket& bucket, const std::string& models) {
-  const auto folder = listModels(models);
-  if (!folder.ok()) return folder.status;
-  Studio studio(models, folder.value);
+  Studio studio(models);
   const std::vector<std::uint32_t> views = evenlyChosen(bucket.views);
   const int columns = std::clamp(static_cast<int>(views.size()), kFewestColumns, kMostColumns);
   const int rows = (static_cast<int>(views.size()) + columns - 1) / columns;

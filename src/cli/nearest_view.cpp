@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "nearest_view.h"
 
+#include "voxid/library/model_shelf.h"
+
 namespace voxid::cli {
 
 std::string NearestView::model() const {
   const std::uint32_t number = index->modelOf(found.view);
   if (number >= index->models().size) return {};  // a damaged file; `verify` says where
-  return std::string(index->categoryName(index->models()[number].category)) + "/" +
-         std::string(index->modelName(number));
+  return fullNameOf(*index, number);
 }
 
 Result<std::shared_ptr<const Index>> openPaperIndex(const std::string& path) {

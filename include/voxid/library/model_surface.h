@@ -11,14 +11,15 @@
 
 namespace voxid {
 
-/// A mesh in its unitPlacement, as alignment takes it.
+/// A mesh in its unitPlacement, as alignment takes it: the box's centre is the origin, its diagonal 1.
 ModelSurface surfaceOf(const Mesh& mesh);
 
-/// The surface as an index keeps it, and what it looks like read again: details below kKeptCells of the diagonal are
-/// joined, coarser ones where that leaves too many vertices; symmetries are those of what is kept.
+/// The bytes of a KeptSurface, with the symmetries that the surface has once it is read again. Vertices that share a
+/// cell of a grid of kKeptCells along the diagonal become one; of a coarser grid where that leaves too many.
 std::vector<std::uint8_t> surfaceToKeep(const Mesh& mesh);
 constexpr int kKeptCells = 256;
 
+/// What surfaceToKeep was given, in the same placement.
 ModelSurface surfaceOf(const KeptSurface& kept);
 Symmetry symmetryOf(const KeptSurface& kept);
 
