@@ -131,6 +131,27 @@ def scene(voxid, models, tmp_path_factory):
     return image
 
 
+@pytest.fixture(scope="session")
+def put_labelled_table(voxid, models, tmp_path_factory):
+    """Puts a table with a cube and a tin into a folder, as each of the scenes NAMES: objects 2 and 3 of its labels."""
+    made = tmp_path_factory.mktemp("made")
+    meshes = [models / "cube" / "cube_a.ply", models / "tin" / "tin_a.ply"]
+    answer = voxid("render", "--table", "--models", *meshes, "--sizes", 12, "--out", made,
+                   "--labels", made / "labels.png")
+    assert answer.code == 0, answer.err
+    depth = cv2.imread(str(made / "frame_0000.png"), cv2.IMREAD_UNCHANGED)
+    seen = cv2.imread(str(made / "labels.png"), cv2.IMREAD_UNCHANGED).astype(np.uint16)
+    labels = np.where(seen > 0, 10 * (seen + 1), depth > 0).astype(np.uint16)
+
+    def put(folder, *names):
+        (folder / "camera_info.yaml").write_bytes((made / "camera_info.yaml").read_bytes())
+        for name in names:
+            assert cv2.imwrite(str(folder / f"{name}_depth.png"), depth)
+            assert cv2.imwrite(str(folder / f"{name}_labels.png"), labels)
+
+    return put
+
+
 @pytest.fixture
 def depth_file(tmp_path):
     """Writes pixels (uint16 mm or float32 m) as NAME.png or NAME.tiff beside a Kinect's camera_info.yaml."""

@@ -92,18 +92,9 @@ def test_the_table_has_a_line_a_row(voxid, index, queries):
 
 
 @pytest.fixture(scope="module")
-def scenes(voxid, models, tmp_path_factory):
-    """A table with a cube and a tin, labelled."""
-    folder, made = tmp_path_factory.mktemp("scenes"), tmp_path_factory.mktemp("made")
-    meshes = [models / "cube" / "cube_a.ply", models / "tin" / "tin_a.ply"]
-    answer = voxid("render", "--table", "--models", *meshes, "--sizes", 12, "--out", made,
-                   "--labels", made / "labels.png")
-    assert answer.code == 0, answer.err
-    depth = cv2.imread(str(made / "frame_0000.png"), cv2.IMREAD_UNCHANGED)
-    seen = cv2.imread(str(made / "labels.png"), cv2.IMREAD_UNCHANGED).astype(np.uint16)
-    (folder / "camera_info.yaml").write_bytes((made / "camera_info.yaml").read_bytes())
-    assert cv2.imwrite(str(folder / "a_depth.png"), depth)
-    assert cv2.imwrite(str(folder / "a_labels.png"), np.where(seen > 0, 10 * (seen + 1), depth > 0).astype(np.uint16))
+def scenes(put_labelled_table, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("scenes")
+    put_labelled_table(folder, "a")
     truth = [{"id": number, "truncated": False, "alone_at_2cm": True, "parts": 1} for number in (2, 3)]
     (folder / "objects.json").write_text(json.dumps({"a": {"objects": truth}}))
     return folder

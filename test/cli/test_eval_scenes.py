@@ -3,8 +3,6 @@
 import json
 import pathlib
 
-import cv2
-import numpy as np
 import pytest
 import yaml
 
@@ -16,22 +14,11 @@ def truth(number, category, **more):
 
 
 @pytest.fixture(scope="module")
-def scenes(voxid, models, tmp_path_factory):
+def scenes(put_labelled_table, tmp_path_factory):
     """A cube (called block) and a tin on a table, objects 2 and 3 of the labels; a second scene with nothing to ask
     for."""
     folder = tmp_path_factory.mktemp("scenes")
-    made = folder / "made"
-    meshes = [models / "cube" / "cube_a.ply", models / "tin" / "tin_a.ply"]
-    answer = voxid("render", "--table", "--models", *meshes, "--sizes", 12, "--out", made,
-                   "--labels", made / "labels.png")
-    assert answer.code == 0, answer.err
-    depth = cv2.imread(str(made / "frame_0000.png"), cv2.IMREAD_UNCHANGED)
-    seen = cv2.imread(str(made / "labels.png"), cv2.IMREAD_UNCHANGED).astype(np.uint16)
-    labels = np.where(seen > 0, 10 * (seen + 1), depth > 0).astype(np.uint16)
-    (folder / "camera_info.yaml").write_bytes((made / "camera_info.yaml").read_bytes())
-    for name in ("a", "b"):
-        assert cv2.imwrite(str(folder / f"{name}_depth.png"), depth)
-        assert cv2.imwrite(str(folder / f"{name}_labels.png"), labels)
+    put_labelled_table(folder, "a", "b")
     objects = {"a": [truth(2, "block"), truth(3, "tin")],
                "b": [truth(2, "block", alone_at_2cm=False), truth(3, "tin", exclude="wrong"), truth(3, "unicorn")]}
     (folder / "objects.json").write_text(json.dumps({name: {"objects": list_} for name, list_ in objects.items()}))
