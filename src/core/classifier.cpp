@@ -57,17 +57,35 @@ class Ranking {
   std::size_t count_ = 0;
 };
 
-Ranking rank(const Index& index, const Nearest& nearest, std::size_t voters) {
+// Views of one model say nearly the same: each model has one vote, that of its nearest view.
+class Voters {
+ public:
+  bool isNew(std::uint32_t model) {
+    const auto end = models_.begin() + static_cast<std::ptrdiff_t>(count_);
+    if (count_ == models_.size() || std::find(models_.begin(), end, model) != end) return false;
+    models_[count_++] = model;
+    return true;
+  }
+
+ private:
+  std::array<std::uint32_t, kNearestViews> models_;
+  std::size_t count_ = 0;
+};
+
+Ranking rank(const Index& index, const Nearest& nearest, std::size_t views) {
   Ranking ranking;
+  Voters voters;
   const std::uint32_t d1 = nearest.views[0].distance;
-  for (std::size_t i = 0; i < std::min(voters, nearest.views.size); ++i) {
+  for (std::size_t i = 0; i < std::min(views, nearest.views.size); ++i) {
     const Neighbour view = nearest.views[i];
-    ranking.vote(categoryOf(index, view), view, weightOf(view.distance, d1));
+    const std::uint32_t category = categoryOf(index, view);
+    if (category != kNoCategory && voters.isNew(index.modelOf(view.view)))
+      ranking.vote(category, view, voteOf(view.distance, d1));
   }
   ranking.sort();
   for (const Neighbour& view : nearest.categories) {
     if (ranking.full()) break;
-    ranking.append(categoryOf(index, view), view, weightOf(view.distance, d1));
+    ranking.append(categoryOf(index, view), view, voteOf(view.distance, d1));
   }
   return ranking;
 }
@@ -105,7 +123,7 @@ void shareRest(Ranking& ranking, Answer& answer) {
 Answer classify(const Index& index, const Nearest& nearest, ClassifyMethod method, int min_score_permille) {
   Answer answer;
   if (nearest.views.empty() || nearest.categories.empty()) return answer;
-  Ranking ranking = rank(index, nearest, method == ClassifyMethod::Vote ? kVoters : 1);
+  Ranking ranking = rank(index, nearest, method == ClassifyMethod::Vote ? kNearestViews : 1);
   for (const Candidate& c : ranking) {
     answer.alternatives[answer.count++] = {c.category, c.nearest.view, c.nearest.distance, 0};
   }

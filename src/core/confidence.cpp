@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int32_t kOctave = 256, kMostOctaves = 4, kWhole = 1024, kPerModel = 64;
 constexpr std::size_t kThird = 2, kTenth = 9;
-constexpr std::size_t kAgreeing = 20;  // nearest views whose models are counted
+constexpr std::size_t kVoters = 10, kAgreeing = 20;  // nearest views that are looked at
 
 // log2(x + 1) in 1/256; between powers of two linear.
 std::int32_t logOf(std::uint32_t x) {

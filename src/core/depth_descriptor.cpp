@@ -11,10 +11,13 @@
 #include "pair_group.h"
 #include "pair_sampler.h"
 #include "point_rows.h"
+#include "polar_layout.h"
 #include "scales.h"
 
 namespace voxid {
 namespace {
+
+static_assert(kDepthHistogramBins + PolarLayout::kNumbers == kDepthBins);
 
 // What cells count in; PairGroup has the histograms before.
 enum Histogram { kRadius = 11, kRadiusSlope, kRadiusAlong, kSlope, kSlopeDepth };
@@ -30,7 +33,8 @@ struct DepthDescriber::Workspace {
   DepthPatch patch;
   std::array<Pixel, kMaxPoints> pixels;
   PointRows points;
-  std::array<std::uint32_t, kDepthBins> counts;
+  std::array<std::uint32_t, kDepthHistogramBins> counts;
+  PolarLayout layout;
 
   DescribeStatus draw(const DepthView& depth, Span<const std::uint32_t> chosen);
   void count(Histogram histogram, int bin) {
@@ -126,6 +130,7 @@ DescribeStatus DepthDescriber::describe(const DepthView& depth, Span<const std::
   workspace_->countCells();
   workspace_->countPairs();
   workspace_->write(bins);
+  workspace_->layout.measure(workspace_->patch.cells(), &bins[kDepthHistogramBins]);
   return DescribeStatus::Ok;
 }
 

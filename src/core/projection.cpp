@@ -29,7 +29,7 @@ std::uint32_t sumOf(Span<const std::uint8_t> bytes, format::Projection header) {
   return crc32c(bytes.data + sizeof header, bytes.size - sizeof header, crc32c(&header, sizeof header));
 }
 
-// Every row's product with the bins: below 1,664 x 127 x 255 < 2^26. As 16-bit factors, for pmaddwd.
+// Every row's product with the bins: below 2,132 x 128 x 255 < 2^27. As 16-bit factors, for pmaddwd.
 VOXID_VECTORISED void multiply(const std::int8_t* matrix, std::size_t rows, const std::uint8_t* bins,
                                std::int32_t* out) {
   std::array<std::int16_t, kDepthBins> wide;

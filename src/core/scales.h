@@ -30,7 +30,7 @@ constexpr std::array<std::int32_t, 2049> makeAngleParts() {
 constexpr auto kAngleParts = makeAngleParts();
 
 /// The angle of a cosine times 1024, in 64 equal parts of 180 degrees.
-inline std::int32_t angleOf(std::int32_t cosine_q10) {
+constexpr std::int32_t angleOf(std::int32_t cosine_q10) {
   const std::int32_t most = cosine_q10 > 1024 ? 1024 : cosine_q10;
   return kAngleParts[static_cast<std::size_t>((most < -1024 ? -1024 : most) + 1024)];
 }

@@ -10,7 +10,6 @@
 
 namespace voxid {
 
-constexpr std::size_t kVoters = 10;
 constexpr std::uint32_t kNoCategory = 0xffffffff;
 
 // exp(-3 i / 256) in 1/2^30, by repeated multiplication with exp(-3 / 256) in 1/2^32; beyond 5 d1 (6e-6) zero.
@@ -35,6 +34,11 @@ inline std::uint32_t weightOf(std::uint32_t distance, std::uint32_t nearest) {
   if (nearest == 0) return 0;
   const std::uint64_t step = std::uint64_t{distance - nearest} * kWeightSteps / nearest;
   return step < kWeights ? kWeightTable[step] : 0;
+}
+
+// A model's vote: exp(-9 (d / d1 - 1)), of its nearest view. Measured: doc/descriptor.md, section 7.
+inline std::uint32_t voteOf(std::uint32_t distance, std::uint32_t nearest) {
+  return weightOf(distance <= nearest ? nearest : nearest + 3 * (distance - nearest), nearest);
 }
 
 // kNoCategory for a view that leads nowhere, possible only in a damaged file.

@@ -8,11 +8,11 @@
 namespace voxid {
 namespace {
 
-// Categories 0 to 12 of one model with ten views each: view v belongs to category v / 10. The curve is 20 x bin.
+// Categories 0 to 12 of five models with two views each: view v belongs to category v / 10. The curve is 20 x bin.
 class ClassifierTest : public testing::Test {
  protected:
   ClassifierTest() {
-    IndexContent content = test::randomContent(13, 1, 10, 1);
+    IndexContent content = test::randomContent(13, 5, 2, 1);
     for (int bin = 0; bin < format::Calibration::kBins; ++bin) {
       content.calibration.score_permille[bin] = static_cast<std::uint16_t>(100 + 20 * bin);
     }
@@ -29,9 +29,9 @@ class ClassifierTest : public testing::Test {
   std::shared_ptr<const Index> index_;
 };
 
-// The nearest view is of category 2, six of the ten nearest are of category 5.
+// The nearest view is of category 2, six behind it of three models of category 5.
 const std::vector<Neighbour> kViews{{20, 1000}, {50, 1010}, {51, 1020}, {52, 1030}, {30, 1040}, {53, 1050},
-                                    {54, 1060}, {55, 1070}, {31, 1080}, {70, 1090}, {21, 1100}};
+                                    {54, 1060}, {55, 1070}, {32, 1080}, {70, 1090}, {21, 1100}};
 const std::vector<Neighbour> kCategories{{20, 1000}, {50, 1010}, {30, 1040}, {70, 1090}, {80, 1600}, {90, 2000}};
 
 TEST_F(ClassifierTest, OneNnTakesTheNearestAndRanksByDistance) {
@@ -54,20 +54,20 @@ TEST_F(ClassifierTest, VoteGoesToTheHeaviest) {
   EXPECT_EQ(answer.alternatives[0].category, 5u);
   EXPECT_EQ(answer.alternatives[0].view, 50u);
   EXPECT_EQ(answer.alternatives[0].distance, 1010u);
-  EXPECT_EQ(answer.alternatives[1].category, 3u);  // exp(-.12) + exp(-.24) = 1.67 against 1 of category 2
+  EXPECT_EQ(answer.alternatives[1].category, 3u);  // exp(-.36) + exp(-.72) = 1.18 against 1 of category 2
   EXPECT_EQ(answer.alternatives[2].category, 2u);
   EXPECT_EQ(answer.alternatives[3].category, 7u);
   EXPECT_EQ(answer.alternatives[4].category, 8u);
   EXPECT_EQ(answer.score_permille, 100) << "a vote against the nearest has no margin";
 }
 
-TEST_F(ClassifierTest, VoteCountsTenViewsOnly) {
-  std::vector<Neighbour> views{{10, 100}};
-  for (std::uint32_t i = 0; i < 9; ++i) views.push_back({20 + i, 130});  // 9 exp(-.9) = 3.7
-  EXPECT_EQ(classify(views, {{10, 100}, {20, 130}}, ClassifyMethod::Vote).alternatives[0].category, 2u);
-  for (Neighbour& view : views) view.distance = view.view == 10 ? 100 : 180;  // 9 exp(-2.4) = 0.82
-  for (std::uint32_t i = 0; i < 9; ++i) views.push_back({30 + i, 180});
-  EXPECT_EQ(classify(views, {{10, 100}, {20, 180}, {30, 180}}, ClassifyMethod::Vote).alternatives[0].category, 1u);
+TEST_F(ClassifierTest, EachModelVotesOnceWithItsNearestView) {
+  const auto first = [&](const std::vector<Neighbour>& views) {
+    return classify(views, {views[0], views[1]}, ClassifyMethod::Vote).alternatives[0].category;
+  };
+  EXPECT_EQ(first({{10, 100}, {20, 101}, {21, 101}, {21, 102}}), 1u) << "two views of one model: exp(-.09) = 0.91";
+  EXPECT_EQ(first({{10, 100}, {20, 101}, {22, 112}}), 2u) << "two models: 0.91 + exp(-1.08) = 1.25";
+  EXPECT_EQ(first({{10, 100}, {20, 130}, {22, 130}, {24, 130}, {26, 130}, {28, 130}}), 1u) << "5 exp(-2.7) = 0.34";
 }
 
 TEST_F(ClassifierTest, ScoreFollowsTheCurveAtTheMargin) {

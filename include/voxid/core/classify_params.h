@@ -12,7 +12,7 @@ struct ClassifyParams {
   int radius_bits = -1;
   /// Nearest lists that are compared, in an index of descriptor default. More find more and cost more. [1 to 65536]
   int lists = 64;
-  /// Let the ten nearest views vote instead of taking the nearest alone.
+  /// Let the models of the 64 nearest views vote instead of taking the nearest view alone.
   bool vote = true;
   /// So many threads share the objects of a frame. The answer is the same with any number; more than the processor has cores cost time. [1 to 16]
   int threads = 2;

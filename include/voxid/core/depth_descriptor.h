@@ -33,13 +33,18 @@ constexpr std::array<SubHistogram, 16> kDepthHistograms{{
     {"normal's slope", 1568, 32},
     {"normal's slope x depth", 1600, 64},
 }};
-constexpr int kDepthBins = 1664;
+constexpr int kDepthHistogramBins = 1664;
 
-/// A bin holds 255 sqrt(share of its sub-histogram), rounded to nearest.
+/// The sub-histograms and, behind them, 468 numbers of the layout about the centroid: products of the Fourier series of
+/// rings, which no roll of the camera changes.
+constexpr int kDepthBins = kDepthHistogramBins + 468;
+
+/// A bin of a histogram holds 255 sqrt(share of its sub-histogram), rounded to nearest; a number of the layout
+/// 128 + 254 sign(p) sqrt(|p|), p a product, the object's whole surface one.
 using DepthBins = std::array<std::uint8_t, kDepthBins>;
 
 /// Raised by a change of any byte of any depth descriptor.
-constexpr std::uint32_t kDepthDescriptorRevision = 1;
+constexpr std::uint32_t kDepthDescriptorRevision = 2;
 
 /// Sub-histograms of an object's visible surface as the camera sees it: the raw form of the default descriptor, which a
 /// Projection makes small. Beyond the paper: its line is walked in the depth image, where what lies beside it is known
