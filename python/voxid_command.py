@@ -4,7 +4,9 @@ import os
 import signal
 import sys
 
-from voxid.failure import BAD_USE, CANNOT_DO, Failure
+# As built this is a link into the sources; what is compiled of the package lies beside the link.
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from voxid.failure import BAD_USE, CANNOT_DO, Failure  # noqa: E402
 
 
 def loaded(command):

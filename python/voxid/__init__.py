@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""voxid in Python: describe(), Index, render() (compiled, numpy in and out), and voxid.acquire. __init__.pyi is
-the manual."""
+"""voxid in Python: describe(), Index, render() and more (compiled, numpy in and out), and voxid.acquire, which is
+written on them. __init__.pyi is the manual."""
 import pkgutil
 
 # ROS generates a package of the same name (voxid.msg); whichever comes first on the path finds the other's parts.
 __path__ = pkgutil.extend_path(__path__, __name__)
-__all__ = ["Index", "describe", "render"]
+__all__ = ["Index", "describe", "describe_views", "read_mesh", "render"]
 
 
 def __getattr__(name):
-    """What is compiled is loaded when it is first asked for: acquisition does without."""
+    """What is compiled is loaded when it is first asked for: most commands do without."""
     if name not in __all__:
         raise AttributeError(f"module 'voxid' has no attribute '{name}'")
     try:

@@ -21,6 +21,15 @@ def describe(depth: Union[npt.NDArray[np.uint16], npt.NDArray[np.float32]], mask
     """The 64 bytes of descriptor `default`, by the shipped projection, of an object in a depth image (rows, columns):
     uint16 millimetres, 0 = none, or float32 metres. `mask` says which pixels are the object; None: all with depth."""
 
+@overload
+def describe(mesh: Mesh, *, pairs: int = 10000, seed: int = 1) -> npt.NDArray[np.uint8]:
+    """The paper's 416 bins of a whole model, by points that are spread evenly over its surface."""
+def describe_views(mesh: Mesh, every: int = 1) -> npt.NDArray[np.int8]:
+    """Descriptor `default` of every `every`-th of the model's 80 views, made as those of an index are, a row a view;
+    one that shows nothing is left out."""
+
+def read_mesh(path: str) -> Tuple[npt.NDArray[np.float32], npt.NDArray[np.uint32]]:
+    """Vertices (n, 3) and triangles (m, 3): those that have an area, and the vertices that these use."""
 def render(mesh: Mesh, view: int = 0, *, clean: bool = False, seed: int = 1) -> Tuple[npt.NDArray[np.uint16], Camera]:
     """A depth image in millimetres (480 x 640) of a mesh from one of the 80 directions, and its camera. Size, distance,
     roll and noise follow from `seed`, as in `voxid render --seed`; `clean`: without noise. A file is read in a child

@@ -15,12 +15,9 @@
 #include "nearest_view.h"
 #include "point_file.h"
 #include "recogniser.h"
-#include "surface_points.h"
 #include "voxid/core/key.h"
 #include "voxid/library/mesh_reader.h"
-#include "voxid/library/model_view.h"
-#include "voxid/library/shipped_projection.h"
-#include "voxid/library/views.h"
+#include "voxid/library/surface_points.h"
 
 namespace voxid::cli {
 namespace {
@@ -29,53 +26,28 @@ struct Options {
   std::string file, index, plot, plot_lines;
   CameraChoice camera;
   DescriptorParams params;
-  int views_every = 0;  ///< of a mesh, also views; 0 = none
   bool json = false;
 };
 
 struct Description {
   std::vector<PointUm> points;  ///< that the file holds; NaN and no depth left out
   Described described;
-  std::size_t triangles = 0;            ///< of a mesh
-  MeshBox box;                          ///< of a mesh, in its own unit
-  std::vector<std::vector<int>> views;  ///< of a mesh, by descriptor default; one that shows nothing is left out
+  std::size_t triangles = 0;  ///< of a mesh
+  MeshBox box;                ///< of a mesh, in its own unit
 };
 
 Result<Description> describePoints(const Options& options, Describer& describer) {
   const auto points = readPointFile(options.file);
   if (!points.ok()) return points.status;
-  return Description{points.value, describer.describe({points.value.data(), points.value.size()}), 0, {}, {}};
-}
-
-/// Every n-th of an index's views; seeded alike for every mesh.
-Result<std::vector<std::vector<int>>> viewsOf(const Mesh& mesh, int every) {
-  std::vector<std::vector<int>> codes;
-  if (every == 0) return codes;
-  const auto projection = shippedProjection();
-  if (!projection.ok()) return projection.status;
-  const auto encoder = makeEncoder({{}, projection.value});
-  std::vector<std::uint8_t> code(projection.value->codeBytes());
-  RayScene scene;
-  scene.add(mesh, unitPlacement(mesh));
-  scene.commit();
-  for (int direction = 0; direction < kDirections; direction += every) {
-    const ModelView view = drawModelView(scene, "describe", direction);
-    const Span<const std::uint32_t> pixels{view.pixels.data(), view.pixels.size()};
-    if (encoder->encode(view.image.view(), pixels, code.data()) != DescribeStatus::Ok) continue;
-    codes.emplace_back();
-    for (const std::uint8_t byte : code) codes.back().push_back(static_cast<std::int8_t>(byte));
-  }
-  return codes;
+  return Description{points.value, describer.describe({points.value.data(), points.value.size()}), 0, {}};
 }
 
 Result<Description> describeMesh(const Options& options, Describer& describer) {
   const auto mesh = readMeshFile(options.file);
   if (!mesh.ok()) return mesh.status;
   const std::vector<PointUm> points = surfacePoints(mesh.value);
-  auto views = viewsOf(mesh.value, options.views_every);
-  if (!views.ok()) return views.status;
   return Description{points, describer.describe({points.data(), points.size()}), mesh.value.triangles.size(),
-                     boxOf(mesh.value), std::move(views.value)};
+                     boxOf(mesh.value)};
 }
 
 Result<Description> describeImage(const Options& options, Describer& describer) {
@@ -83,7 +55,7 @@ Result<Description> describeImage(const Options& options, Describer& describer) 
   if (!file.ok()) return file.status;
   const std::vector<std::uint32_t> pixels = setPixels(file.value.view());
   const Span<const std::uint32_t> object{pixels.data(), pixels.size()};
-  return Description{pointsOf(file.value.view(), object), describer.describe(file.value.view(), object), 0, {}, {}};
+  return Description{pointsOf(file.value.view(), object), describer.describe(file.value.view(), object), 0, {}};
 }
 
 std::string statusText(DescribeStatus status) {
@@ -109,7 +81,6 @@ Json toJson(const Options& options, const Description& description) {
     json["triangles"] = description.triangles;
     json["extents"] = {box.high[0] - box.low[0], box.high[1] - box.low[1], box.high[2] - box.low[2]};
   }
-  if (!description.views.empty()) json["views"] = description.views;
   json["descriptor"] = "paper";
   json["pairs"] = options.params.pairs;
   json["seed"] = options.params.seed;
@@ -216,9 +187,6 @@ Run addDescribe(CLI::App& app) {
   app.add_option("--index", options->index, "Also find the nearest view of this index; --plot draws it too")
       ->type_name("FILE")
       ->excludes(pairs, seed);
-  app.add_option("--views-every", options->views_every,
-                 "Of a mesh, with --json: also every N-th of an index's 80 views")
-      ->check(CLI::Range(1, kDirections));
   app.add_flag("--json", options->json, "One JSON object");
   app.add_option("--plot", options->plot, "Draw the six histograms")->type_name("PATH.png");
   app.add_option("--plot-lines", options->plot_lines, "Draw the voxel grid and the lines ON, OFF and MIXED")

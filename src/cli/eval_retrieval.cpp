@@ -9,7 +9,7 @@
 #include "esf.h"
 #include "evaluation.h"
 #include "retrieval.h"
-#include "surface_points.h"
+#include "voxid/library/surface_points.h"
 #include "whole_models.h"
 
 namespace voxid::cli {

@@ -8,8 +8,8 @@
 #include "../library/worker_pool.h"
 #include "esf.h"
 #include "float_shapes.h"
-#include "surface_points.h"
 #include "voxid/library/mesh_reader.h"
+#include "voxid/library/surface_points.h"
 
 namespace voxid::cli {
 namespace {

@@ -5,6 +5,7 @@
 #include <pybind11/stl.h>
 
 #include <cmath>
+#include <cstring>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -15,8 +16,10 @@
 #include "voxid/core/index.h"
 #include "voxid/core/search.h"
 #include "voxid/library/mesh_reader.h"
+#include "voxid/library/model_view.h"
 #include "voxid/library/sensor_model.h"
 #include "voxid/library/shipped_projection.h"
+#include "voxid/library/surface_points.h"
 #include "voxid/library/views.h"
 
 namespace py = pybind11;
@@ -319,17 +322,76 @@ py::tuple draw(const Mesh& mesh, int view, bool clean, std::uint64_t seed) {
                                                        camera.cy_q16 / q16));
 }
 
-py::tuple renderFile(const std::string& path, int view, bool clean, std::uint64_t seed) {
+Mesh readWithoutLock(const std::string& path) {
   Result<Mesh> mesh = Status::cannotDo("");
   {
     py::gil_scoped_release release;
-    mesh = readMesh(path);
+    mesh = readMeshFile(path);
   }
-  return draw(valueOf(std::move(mesh)), view, clean, seed);
+  return valueOf(std::move(mesh));
 }
 
-py::tuple renderArrays(const std::pair<py::object, py::object>& mesh, int view, bool clean, std::uint64_t seed) {
-  return draw(meshOf(mesh.first, mesh.second), view, clean, seed);
+py::tuple arraysOfFile(const std::string& path) {
+  const Mesh mesh = readWithoutLock(path);
+  py::array_t<float> vertices({static_cast<py::ssize_t>(mesh.vertices.size()), py::ssize_t{3}});
+  py::array_t<std::uint32_t> triangles({static_cast<py::ssize_t>(mesh.triangles.size()), py::ssize_t{3}});
+  static_assert(sizeof(Mesh::Vertex) == 12 && sizeof(Mesh::Triangle) == 12, "rows of three");
+  std::memcpy(vertices.mutable_data(), mesh.vertices.data(), mesh.vertices.size() * sizeof(Mesh::Vertex));
+  std::memcpy(triangles.mutable_data(), mesh.triangles.data(), mesh.triangles.size() * sizeof(Mesh::Triangle));
+  return py::make_tuple(vertices, triangles);
+}
+
+/// A file's name, or (vertices, triangles).
+Mesh meshOf(const py::object& mesh) {
+  if (py::isinstance<py::str>(mesh)) return readWithoutLock(mesh.cast<std::string>());
+  const bool two = py::isinstance<py::sequence>(mesh) && py::len(mesh) == 2;
+  if (!two) throw py::type_error("mesh: expected a file's name, or (vertices, triangles)");
+  const auto parts = py::reinterpret_borrow<py::sequence>(mesh);
+  return meshOf(parts[0], parts[1]);
+}
+
+py::array_t<std::uint8_t> describeWhole(const py::object& argument, std::uint32_t pairs, std::uint32_t seed) {
+  const Mesh mesh = meshOf(argument);
+  std::vector<PointUm> points;
+  {
+    py::gil_scoped_release release;
+    points = surfacePoints(mesh);
+  }
+  const auto rows = static_cast<py::ssize_t>(points.size());
+  return describePoints(Array<std::int32_t>({rows, py::ssize_t{3}}, &points.data()->x), pairs, seed);
+}
+
+/// The codes one after another. Seeded alike for every mesh.
+std::vector<std::uint8_t> codesOfViews(const Mesh& mesh, int every) {
+  const auto encoder = makeEncoder(shippedProfile());
+  std::vector<std::uint8_t> code(shippedProfile().codeBytes()), codes;
+  RayScene scene;
+  scene.add(mesh, unitPlacement(mesh));
+  scene.commit();
+  for (int direction = 0; direction < kDirections; direction += every) {
+    const ModelView view = drawModelView(scene, "describe", direction);
+    const Span<const std::uint32_t> pixels{view.pixels.data(), view.pixels.size()};
+    if (encoder->encode(view.image.view(), pixels, code.data()) != DescribeStatus::Ok) continue;
+    codes.insert(codes.end(), code.begin(), code.end());
+  }
+  return codes;
+}
+
+py::array_t<std::int8_t> describeViews(const py::object& argument, int every) {
+  require(every >= 1 && every <= kDirections, "every: expected 1 to 80");
+  const Mesh mesh = meshOf(argument);
+  const auto bytes = static_cast<py::ssize_t>(shippedProfile().codeBytes());
+  std::vector<std::uint8_t> codes;
+  {
+    py::gil_scoped_release release;
+    codes = codesOfViews(mesh, every);
+  }
+  const auto rows = static_cast<py::ssize_t>(codes.size()) / bytes;
+  return py::array_t<std::int8_t>({rows, bytes}, reinterpret_cast<const std::int8_t*>(codes.data()));
+}
+
+py::tuple drawMesh(const py::object& mesh, int view, bool clean, std::uint64_t seed) {
+  return draw(meshOf(mesh), view, clean, seed);
 }
 
 }  // namespace
@@ -340,9 +402,11 @@ PYBIND11_MODULE(_native, module) {
   module.def("describe", describePoints, py::arg("points"), py::kw_only(), py::arg("pairs") = DescriptorParams{}.pairs,
              py::arg("seed") = DescriptorParams{}.seed);
   module.def("describe", describeDepth, py::arg("depth"), py::arg("mask"), py::arg("camera"));
-  module.def("render", renderFile, py::arg("mesh"), py::arg("view") = 0, py::kw_only(), py::arg("clean") = false,
-             py::arg("seed") = 1);
-  module.def("render", renderArrays, py::arg("mesh"), py::arg("view") = 0, py::kw_only(), py::arg("clean") = false,
+  module.def("describe", describeWhole, py::arg("mesh"), py::kw_only(), py::arg("pairs") = DescriptorParams{}.pairs,
+             py::arg("seed") = DescriptorParams{}.seed);
+  module.def("describe_views", describeViews, py::arg("mesh"), py::arg("every") = 1);
+  module.def("read_mesh", arraysOfFile, py::arg("path"));
+  module.def("render", drawMesh, py::arg("mesh"), py::arg("view") = 0, py::kw_only(), py::arg("clean") = false,
              py::arg("seed") = 1);
 
   py::class_<PyIndex, std::shared_ptr<PyIndex>>(module, "Index")

@@ -84,10 +84,10 @@ def write_program(path, body):
 @pytest.mark.parametrize("body, reason", [("kill -SEGV $$", "died of SIGSEGV"), ("sleep 30", "not read within"),
                                           ("echo 'voxid: no' >&2; exit 1", "no"), ("exit 1", "ended with 1")])
 def test_a_reader_that_dies_or_hangs_is_a_reason(tmp_path, monkeypatch, body, reason):
-    program = write_program(tmp_path / "voxid", body)
+    monkeypatch.setattr(judge, "LOOK", [str(write_program(tmp_path / "look", body))])
     monkeypatch.setattr(judge, "SECONDS", 1)
     start = time.monotonic()
-    verdict = judge.judge(str(program), tmp_path / "a.ply")
+    verdict = judge.judge(tmp_path / "a.ply")
     assert reason in verdict.reason and verdict.shape is None
     assert time.monotonic() - start < 10
 
@@ -107,7 +107,8 @@ def test_a_voxid_without_its_reader_ends_the_run_and_settles_nothing(folder, tmp
     (folder / "mug 3.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 1\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 3 4\n")
     (tmp_path / "usr/bin").mkdir(parents=True)
     program = pathlib.Path(shutil.copy(PROGRAM, tmp_path / "usr/bin/voxid"))
-    (tmp_path / "usr/python").symlink_to(ROOT / "python")
+    shutil.copytree(PROGRAM.parents[1] / "python", tmp_path / "usr/python")
+    shutil.copytree(ROOT / "cfg", tmp_path / "cfg")
     if reader:
         write_program(tmp_path / "usr/lib/voxid/voxid_read_mesh", reader)
     libraries = copy_libraries_of(program, tmp_path / "usr/lib")
@@ -120,10 +121,29 @@ def test_a_voxid_without_its_reader_ends_the_run_and_settles_nothing(folder, tmp
     assert [path.name for path in (tmp_path / "lib").iterdir()] == [".lock"]
 
 
-def test_a_voxid_whose_libraries_are_not_there_says_nothing_of_a_mesh(tmp_path):
-    program = write_program(tmp_path / "voxid", "echo 'voxid: error while loading shared libraries' >&2; exit 127")
-    with pytest.raises(judge.NoReader, match="shared libraries"):
-        judge.judge(str(program), tmp_path / "a.ply")
+def test_a_module_that_cannot_be_loaded_says_nothing_of_a_mesh(tmp_path, monkeypatch):
+    program = write_program(tmp_path / "look", "echo 'cannot be loaded (libembree3.so.3: not there)' >&2; exit 127")
+    monkeypatch.setattr(judge, "LOOK", [str(program)])
+    with pytest.raises(judge.NoReader, match="libembree3"):
+        judge.judge(tmp_path / "a.ply")
+
+
+def test_a_voxid_without_its_compiled_module_is_one_sentence(folder, tmp_path):
+    (tmp_path / "usr/bin").mkdir(parents=True)
+    program = shutil.copy(PROGRAM, tmp_path / "usr/bin/voxid")
+    shutil.copytree(ROOT / "python", tmp_path / "usr/python")
+    shutil.copytree(ROOT / "cfg", tmp_path / "cfg")
+    run = subprocess.run([program, *arguments(folder, tmp_path / "lib", "--yes")], capture_output=True, text=True,
+                         timeout=60)
+    (line,) = run.stderr.splitlines()
+    assert run.returncode == 1 and line.startswith("voxid: voxid's compiled part cannot be loaded"), line
+
+
+def test_a_needle_is_drawn(folder, tmp_path):
+    """A pixel wide where it is seen."""
+    solids.write_ply(folder / "needle.ply", solids.box(1.0, 0.0015, 0.0015))
+    verdict = judge.judge(folder / "needle.ply")
+    assert verdict.reason in ("", "shows nothing") and verdict.thumbnail.shape == (160, 160)
 
 
 def test_a_catalogue_with_a_bomb_and_a_name_that_leads_out(voxid, tmp_path):
@@ -205,12 +225,12 @@ def test_keep_takes_the_numbers_and_settles_the_rest(voxid, folder, tmp_path):
     assert len(list((tmp_path / "lib/mug").glob("*.ply"))) == 2
 
 
-def test_what_is_settled_is_not_read_again(folder, tmp_path, capsys):
-    """The program is called for new candidates alone."""
-    log, program = tmp_path / "log", tmp_path / "logged"
-    program.write_text(f'#!/bin/bash\necho "$1 $2" >> {log}\nexec {PROGRAM} "$@"\n')
-    program.chmod(0o755)
-    run = lambda: command.run(str(program), arguments(folder, tmp_path / "lib", "--yes")[1:])
+def test_what_is_settled_is_not_read_again(folder, tmp_path, monkeypatch):
+    """Only new candidates are looked at."""
+    log = tmp_path / "log"
+    program = write_program(tmp_path / "look", f'echo "$1" >> {log}\nexec {" ".join(judge.LOOK)} "$@"')
+    monkeypatch.setattr(judge, "LOOK", [str(program)])
+    run = lambda: command.run(str(PROGRAM), arguments(folder, tmp_path / "lib", "--yes")[1:])
     assert run() == 0
     log.write_text("")
     before = {path: path.stat().st_mtime_ns
@@ -219,7 +239,7 @@ def test_what_is_settled_is_not_read_again(folder, tmp_path, capsys):
     assert {path: path.stat().st_mtime_ns for path in before} == before
     solids.write_ply(folder / "mug 3.ply", CONE)
     assert run() == 0
-    assert len([line for line in log.read_text().splitlines() if line.startswith("describe")]) == 1
+    assert len(log.read_text().splitlines()) == 1
     assert len(list((tmp_path / "lib/mug").glob("*.ply"))) == 3
 
 

@@ -58,6 +58,31 @@ def test_a_mesh_is_drawn_as_the_command_line_draws_it(voxid, models, image):
     assert (clean > 0).sum() > (depth > 0).sum() > 1000
 
 
+def test_a_whole_model_is_described_as_the_command_line_does(voxid, models):
+    file = models / "tin/tin_a.ply"
+    expected = voxid("describe", file, "--json").json
+    vertices, triangles = mesh = voxid_module.read_mesh(str(file))
+    assert (vertices.dtype, triangles.dtype) == (np.float32, np.uint32)
+    assert len(triangles) == expected["triangles"]
+    assert np.allclose(np.ptp(vertices, axis=0), expected["extents"], atol=1e-6)
+    for form in (str(file), mesh):
+        assert voxid_module.describe(form).tolist() == expected["bins"]
+    assert voxid_module.describe(mesh, pairs=5000).tolist() != expected["bins"]
+
+
+def test_views_of_a_model_are_near_those_of_its_index(index, models):
+    """They differ in size, roll and noise, which follow from a model's name."""
+    opened = voxid_module.Index.open(str(index))
+    file = str(models / "board/board_a.ply")
+    views = voxid_module.describe_views(file, 8)
+    assert (views.dtype, views.shape) == (np.int8, (10, 64))
+    assert np.array_equal(views, voxid_module.describe_views(voxid_module.read_mesh(file), 8))
+    found = [opened.categories[opened.place_of(opened.nearest(view, 1)[0][0])[0]] for view in views]
+    assert found.count("board") >= 8, found
+    with pytest.raises(ValueError, match="1 to 80"):
+        voxid_module.describe_views(file, 0)
+
+
 def test_the_number_of_nearest_views_is_bounded(index, image):
     opened = voxid_module.Index.open(str(index))
     code = opened.describe(image, None, CAMERA)
@@ -113,6 +138,8 @@ def test_a_paper_index_is_asked_with_bins(paper_index, image):
     lambda m, i: m.describe(i[0], None, CAMERA),
     lambda m, i: m.render(([[0, 0, 0]], [[0, 1, 2]])),
     lambda m, i: m.render(([[0, 0, 0]], [[0, 0, 0]])),
+    lambda m, i: m.describe(([[0, 0, 0]], [[0, 0, 0]])),
+    lambda m, i: m.describe_views(([[0, 0, 0]], [[0, 1, 2]])),
 ])
 def test_wrong_arguments_are_value_errors(image, call):
     with pytest.raises(ValueError):
@@ -126,8 +153,13 @@ def test_files_that_cannot_be_read_are_os_errors(index, tmp_path, image):
         (tmp_path / "cut.vxi").write_bytes(index.read_bytes()[:5000])
         with pytest.raises(OSError, match=path):
             voxid_module.Index.open(str(tmp_path / path))
-    with pytest.raises(OSError):
-        voxid_module.render(str(tmp_path / "absent.ply"))
+    (tmp_path / "cut.ply").write_text("ply\nformat ascii 1.0\n")
+    for path in ("absent.ply", "cut.ply"):
+        with pytest.raises(OSError, match=path):
+            voxid_module.render(str(tmp_path / path))
+    for wrong in (7, ("a.ply",), image):
+        with pytest.raises(TypeError):
+            voxid_module.describe_views(wrong)
     opened = voxid_module.Index.open(str(index))
     with pytest.raises(ValueError):
         opened.nearest(np.zeros(3, np.int8))

@@ -228,7 +228,7 @@ def acquire(options, program, synset, queries):
     library = Library(options.out)
     with library.locked(), library.work_folder() as folder:
         clash(library, category, synset)
-        gatherer = gather.Gatherer(program, library, category, folder, options.max_mb << 20)
+        gatherer = gather.Gatherer(library, category, folder, options.max_mb << 20)
         taken, found = judge_and_keep(options, program, gatherer, library, synset, queries)
     kept = len(library.kept(category))
     gather.say(f"{library.root}: {taken} models of {found} new candidates kept; "

@@ -23,10 +23,10 @@ def say(sentence):
 
 
 class Gatherer:
-    """`program` is the voxid to judge with; meshes are put into `folder`."""
+    """Meshes are put into `folder`."""
 
-    def __init__(self, program, library, category, folder, limit_bytes):
-        self._program, self._library, self._category = program, library, category
+    def __init__(self, library, category, folder, limit_bytes):
+        self._library, self._category = library, category
         self._folder, self._limit_bytes = folder, limit_bytes
         self.broken = []  # sentences of sources that ended early
 
@@ -69,7 +69,7 @@ class Gatherer:
             self._unless_no_room(failure)
             verdict = judge.Verdict(source.one_line(str(failure)), 0, None, None)
             return Found(key, candidate, None, "", verdict, not isinstance(failure, (Unreached, OSError)))
-        return Found(key, candidate, mesh, checksum(mesh), judge.judge(self._program, mesh), True)
+        return Found(key, candidate, mesh, checksum(mesh), judge.judge(mesh), True)
 
     def _unless_no_room(self, failure):
         if isinstance(failure, OSError) and failure.errno in NO_ROOM:
@@ -82,7 +82,7 @@ class Gatherer:
         for key, note in self._library.kept(self._category):
             digest = note.get("sha256") or checksum(self._library.root / key)
             if digest not in described:
-                described[digest] = judge.judge(self._program, self._library.root / key).shape
+                described[digest] = judge.judge(self._library.root / key).shape
             if described[digest] is not None:
                 known.append((key, described[digest]))
         return known, described

@@ -1,29 +1,30 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Is a file a model worth keeping? Each is read in a process of its own, with limits: a mesh that crashes the
 reader costs itself."""
+import base64
 import collections
-import errno
 import json
-import os
 import pathlib
 import resource
 import signal
 import subprocess
-import tempfile
+import sys
+import zlib
 
 import cv2
 import numpy as np
 
+import voxid
+from voxid.acquire.look import NOT_LOADED
 from voxid.failure import Failure
 
 SECONDS, MEMORY_BYTES = 90, 6 << 30  # the reader's own child has 60 s and 4 GiB (doc/build.md)
-NOT_LOADED = 127  # what the system's loader ends with if a library is not there
+LOOK = [sys.executable, "-B", "-E", "-s", "-X", "utf8", str(pathlib.Path(__file__).with_name("look.py"))]
 TRIANGLES = (4, 2_000_000)
 THINNEST = 1e-3  # the second longest side, as a share of the longest; less is a line
 # See difference(). Turned and scaled copies stay below it, other shapes above (doc/acquisition.md).
 SAME_SHAPE = 0.03
 NEIGHBOURS = 3
-VIEWS_EVERY = 8
 FARTHEST = 254 * 64 ** 0.5  # between two codes of signed bytes
 
 # `reason` says why a candidate was dropped, empty if it was not; `shape` is its Shape.
@@ -42,11 +43,12 @@ def _limit():
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def run(program, command, mesh, *options):
-    """(answer, reason): what the child printed, or one sentence about how it ended. NoReader if it could not begin."""
+def run(words, mesh):
+    """(what the child printed, reason): one of the two is None or empty; the reason is one sentence about how it ended.
+    NoReader if it could not begin."""
     try:
-        done = subprocess.run([program, command, mesh, *map(str, options)], stdin=subprocess.DEVNULL,
-                              capture_output=True, text=True, errors="replace", timeout=SECONDS, preexec_fn=_limit)
+        done = subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace",
+                              timeout=SECONDS, preexec_fn=_limit)
     except subprocess.TimeoutExpired:
         return None, f"not read within {SECONDS} s"
     if done.returncode < 0:
@@ -60,6 +62,13 @@ def run(program, command, mesh, *options):
     return done.stdout, ""
 
 
+def look(mesh):
+    """(what look.py prints of a mesh, reason)."""
+    folders = [str(pathlib.Path(part).parent) for part in voxid.__path__]
+    out, reason = run([*LOOK, str(mesh), *folders], mesh)
+    return (None, reason) if reason else (json.loads(out), "")
+
+
 def shaded(depth_mm, size_px=160, fill=True):
     """A depth image as a grey picture, lit from the camera; with `fill` cut to the object."""
     rows, columns = np.nonzero(depth_mm)
@@ -67,7 +76,7 @@ def shaded(depth_mm, size_px=160, fill=True):
         return np.full((size_px, size_px), 255, np.uint8)
     if fill:
         depth_mm = depth_mm[rows.min():rows.max() + 1, columns.min():columns.max() + 1]
-    cut = depth_mm.astype(np.float32)
+    cut = np.pad(depth_mm.astype(np.float32), ((0, 1), (0, 1)), "edge")  # one row has no slope
     slope_y, slope_x = np.gradient(cut)
     light = 40 + 190 / np.sqrt(1 + 0.3 * (slope_x ** 2 + slope_y ** 2))
     picture = np.where(cut > 0, light, 255).astype(np.uint8)
@@ -78,46 +87,32 @@ def shaded(depth_mm, size_px=160, fill=True):
     return cv2.resize(square, (size_px, size_px), interpolation=cv2.INTER_AREA)
 
 
-def _thumbnail(program, mesh):
-    with tempfile.TemporaryDirectory(prefix="voxid-view-") as folder:
-        _, reason = run(program, "render", mesh, "--view", 7, "--clean", "--out", folder)
-        if reason.startswith("cannot write"):  # says nothing of the mesh
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), folder)
-        images = list(pathlib.Path(folder).glob("*.png"))
-        if reason or not images:
-            return None, reason or "shows nothing"
-        return shaded(cv2.imread(str(images[0]), cv2.IMREAD_UNCHANGED)), ""
+def depth_of(picture):
+    """Millimetres, as look.picture() packed them."""
+    pixels = zlib.decompress(base64.b64decode(picture["deflated"]))
+    return np.frombuffer(pixels, np.uint16).reshape(picture["shape"])
 
 
-def _wrong_with(described):
-    triangles, extents = described.get("triangles", 0), sorted(described.get("extents", [0, 0, 0]))
+def _wrong_with(seen, depth_mm):
+    triangles, extents = seen["triangles"], sorted(seen["extents"])
     if not TRIANGLES[0] <= triangles <= TRIANGLES[1]:
         return f"{triangles} triangles, expected {TRIANGLES[0]} to {TRIANGLES[1]:,}".replace(",", " ")
     if extents[1] < THINNEST * extents[2]:
         return "a line, not a body"
-    return ""
+    return "" if depth_mm.any() else "shows nothing"
 
 
-def describe(program, mesh):
-    """(what `voxid describe` prints, reason)."""
-    out, reason = run(program, "describe", mesh, "--json", "--views-every", VIEWS_EVERY)
-    return (None, reason) if reason else (json.loads(out), "")
+def shape_of(seen):
+    return Shape(np.array(seen["bins"], np.int32), np.array(seen["views"], np.int8).reshape(len(seen["views"]), -1))
 
 
-def shape_of(described):
-    views = np.array(described.get("views", []), np.int8).reshape(len(described.get("views", [])), -1)
-    return Shape(np.array(described["bins"], np.int32), views)
-
-
-def judge(program, mesh):
-    """What a mesh file is, by `voxid describe` and `voxid render`."""
-    described, reason = describe(program, mesh)
+def judge(mesh):
+    """What a mesh file is, by what look.py sees of it."""
+    seen, reason = look(mesh)
     if reason:
         return Verdict(reason, 0, None, None)
-    reason, thumbnail = _wrong_with(described), None
-    if not reason:
-        thumbnail, reason = _thumbnail(program, mesh)
-    return Verdict(reason, described.get("triangles", 0), shape_of(described), thumbnail)
+    depth_mm = depth_of(seen["thumbnail"])
+    return Verdict(_wrong_with(seen, depth_mm), seen["triangles"], shape_of(seen), shaded(depth_mm))
 
 
 def difference(a, b):

@@ -57,7 +57,7 @@ def page(word, passed, secret):
 def strip(program, mesh):
     """The views of one turn side by side, all in one scale; PNG."""
     with tempfile.TemporaryDirectory(prefix="voxid-turn-") as folder:
-        _, reason = judge.run(program, "render", mesh, "--turn", TURNS, "--out", folder)
+        _, reason = judge.run([program, "render", str(mesh), "--turn", str(TURNS), "--out", folder], mesh)
         files = [] if reason else sorted(pathlib.Path(folder).glob("*_turn_*.png"))
         images = [cv2.imread(str(file), cv2.IMREAD_UNCHANGED) for file in files]
     if not images:

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "surface_points.h"
+#include "voxid/library/surface_points.h"
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
-namespace voxid::cli {
+namespace voxid {
 namespace {
 
 using Eigen::Vector3d;
@@ -74,4 +74,4 @@ std::vector<PointUm> surfacePoints(const Mesh& mesh, int count) {
   return points;
 }
 
-}  // namespace voxid::cli
+}  // namespace voxid

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A whole mesh as points, for descriptors of whole models.
 #pragma once
 
 #include <vector>
@@ -7,7 +6,7 @@
 #include "voxid/core/depth_view.h"
 #include "voxid/library/mesh.h"
 
-namespace voxid::cli {
+namespace voxid {
 
 /// Enough to leave no gap in a 64 x 64 x 64 grid that VoxelGrid::close() does not fill.
 constexpr int kSurfacePoints = 16384;
@@ -17,4 +16,4 @@ constexpr int kSurfacePoints = 16384;
 /// `mesh` is as keepRenderable() leaves it.
 std::vector<PointUm> surfacePoints(const Mesh& mesh, int count = kSurfacePoints);
 
-}  // namespace voxid::cli
+}  // namespace voxid
