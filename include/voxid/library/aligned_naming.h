@@ -28,10 +28,10 @@ struct SketchedModel {
 /// code distance (squared in profile "default"), d1 that of all, the misfit of the model that fits best, n the models
 /// that the index has of it. How they were fitted: doc/pose.md.
 struct NamingWeights {
-  double distance = 4.7;
-  double misfit = 5.4;
-  double models = 0.54;
-  double among = 0.83;  ///< chance that the right category is among those that are compared
+  double distance = 5.1;
+  double misfit = 2.3;
+  double models = 0.35;
+  double among = 0.81;  ///< chance that the right category is among those that are compared
 };
 
 /// One object a thread.
