@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "conversions.h"
 #include "counted_allocations.h"
 #include "message_pool.h"
+#include "pose_board.h"
 #include "recogniser.h"
 #include "scene_index.h"
 
@@ -40,6 +42,7 @@ struct Messages {
   Objects objects;
   Spares<Segment> spare_segments;
   Spares<Object> spare_objects;
+  PoseBoard poses;
 
   void fill(const Frame& frame, const Index& index) {
     spare_segments.resize(frame.scene.clusters.size, &segments.segments);
@@ -50,6 +53,23 @@ struct Messages {
     for (std::size_t i = 0; i < frame.answers.size(); ++i) {
       fillObject(frame.depth, segments.segments[i], &objects.objects[i]);
       fillAnswer(frame.answers[i], index, &objects.objects[i]);
+      objects.objects[i].number = numberOf(objects.objects[i]);
+    }
+    poses.show(ModelPose::WAITING, &objects);
+  }
+
+  /// What rests keeps its number.
+  static std::uint32_t numberOf(const Object& object) {
+    return static_cast<std::uint32_t>(1000 + std::lround(object.centroid.x * 100));
+  }
+
+  /// A model is aligned with each object.
+  void align(const std::string& model) {
+    for (const Object& object : objects.objects) {
+      ModelPose pose;
+      pose.status = ModelPose::ALIGNED;
+      pose.label = pose.model = model;
+      poses.put(object, objects.header.stamp, pose, 0.1f);
     }
   }
 };
@@ -92,6 +112,21 @@ TEST_F(MessageAllocation, AfterWarmUpThereIsNone) {
   for (const int i : {2, 1, 0, 1}) messages.fill(*made[i], *index_);
   const int before = allocations;
   for (const int i : {0, 1, 2, 0, 2, 1, 1, 0}) messages.fill(*made[i], *index_);
+  EXPECT_EQ(allocations - before, 0);
+}
+
+TEST_F(MessageAllocation, PosesOfModelsThatAreShownAgainTakeNone) {
+  const std::string model = "a model that has a name of many letters";
+  const auto made = frames();
+  Messages messages;
+  messages.fill(*made[1], *index_);
+  messages.align(model);
+  for (const int i : {2, 1, 0, 1}) messages.fill(*made[i], *index_);
+  const int before = allocations;
+  for (const int i : {0, 1, 2, 0, 2, 1, 1, 0}) {
+    messages.fill(*made[i], *index_);
+    for (const Object& object : messages.objects.objects) ASSERT_EQ(object.model_pose.label, model) << i;
+  }
   EXPECT_EQ(allocations - before, 0);
 }
 
