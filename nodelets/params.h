@@ -44,6 +44,19 @@ inline SegmentParams paramsOf(const SegmentationConfig& config) {
   return params;
 }
 
+/// Of the segmentation nodelet, read once.
+struct SegmentationStartParams {
+  std::string up_frame = "";  ///< tf frame whose z points up, such as base_link: a table's normal is then within 30 degrees of it, and walls and cameras that hang upside down are no matter. Empty, or not known to tf2: the image's upward direction.
+  bool debug = false;  ///< Publish debug/table, debug/above_table and debug/clusters while somebody listens.
+};
+
+inline SegmentationStartParams segmentationStartParams(const ros::NodeHandle& node) {
+  SegmentationStartParams params;
+  node.param("up_frame", params.up_frame, params.up_frame);
+  node.param("debug", params.debug, params.debug);
+  return params;
+}
+
 inline ClassifyParams paramsOf(const ClassificationConfig& config) {
   ClassifyParams params;
   params.exact = config.exact;

@@ -30,6 +30,8 @@ void SegmentationNodelet::onInit() {
   health_.start(node, getPrivateNodeHandle(), getName());
   config_ = std::make_unique<dynamic_reconfigure::Server<SegmentationConfig>>(getPrivateNodeHandle());
   config_->setCallback([this](SegmentationConfig& config, std::uint32_t) { onConfig(config); });
+  const SegmentationStartParams at_start = segmentationStartParams(getPrivateNodeHandle());
+  up_.start(at_start.up_frame);
 
   frames_ =
       std::make_unique<Frame>(4, image_, info_, this, &SegmentationNodelet::onFrame, [this] { health_.dropped(); });
@@ -42,7 +44,7 @@ void SegmentationNodelet::onInit() {
     return node.advertise<sensor_msgs::PointCloud2>(topic, 1, changed, changed);
   };
   cloud_ = advertiseCloud("cloud");
-  if (!getPrivateNodeHandle().param("debug", false)) return;
+  if (!at_start.debug) return;
   debug_table_ = advertiseCloud("debug/table");
   debug_above_ = advertiseCloud("debug/above_table");
   debug_clusters_ = advertiseCloud("debug/clusters");
@@ -79,11 +81,19 @@ void SegmentationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image,
   const auto segments = segment(depth, image->header);
   segments_.publish(segments);
   if (depth.ok()) publishClouds(depth.value, *segments);
-  health_.frame(image->header.stamp, statusName(segments->status));
-  for (std::size_t i = 0; i < segments->dropped.size(); ++i)
-    health_.count(std::string("clusters_") + nameOf(static_cast<DropReason>(i)), segments->dropped[i]);
+  report(image->header.stamp, *segments, depth.status);
   health_.cost(watch.ms(), watch.cpuMs());
-  health_.reason(depth.ok() ? Health::Level::Ok : Health::Level::Error, depth.status.sentence);
+}
+
+void SegmentationNodelet::report(const ros::Time& stamp, const Segments& segments, const Status& input) {
+  health_.frame(stamp, statusName(segments.status));
+  for (std::size_t i = 0; i < segments.dropped.size(); ++i)
+    health_.count(std::string("clusters_") + nameOf(static_cast<DropReason>(i)), segments.dropped[i]);
+  if (!up_.trouble().empty()) health_.count("frames_without_up", 1);
+  if (!input.ok())
+    health_.reason(Health::Level::Error, input.sentence);
+  else
+    health_.reason(up_.trouble().empty() ? Health::Level::Ok : Health::Level::Warn, up_.trouble());
 }
 
 boost::shared_ptr<Segments> SegmentationNodelet::segment(const Result<DepthView>& depth,
@@ -93,7 +103,8 @@ boost::shared_ptr<Segments> SegmentationNodelet::segment(const Result<DepthView>
   segments->header = header;
   Scene unread;
   unread.status = SceneStatus::BadInput;
-  const Scene& scene = depth.ok() ? segmenter_.segment(depth.value, params()) : unread;
+  const auto up = up_.in(header.frame_id, header.stamp);
+  const Scene& scene = depth.ok() ? segmenter_.segment(depth.value, params(), up) : unread;
   spares_.resize(scene.clusters.size, &segments->segments);
   fillSegments(scene, depth.value.width_px, depth.value.height_px, segments.get());
   segments->segment_ms = watch.ms();

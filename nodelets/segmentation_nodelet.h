@@ -14,14 +14,15 @@
 #include "health.h"
 #include "message_pool.h"
 #include "params.h"
+#include "up_direction.h"
 #include "voxid/geometry/heights.h"
 #include "voxid/geometry/segmenter.h"
 
 namespace voxid {
 
 /// depth/image_raw + depth/camera_info -> segments, and cloud if somebody listens to it; with ~debug also debug/table,
-/// debug/above_table and debug/clusters. A busy nodelet takes the
-/// newest frame next and counts the others as dropped.
+/// debug/above_table and debug/clusters. A busy nodelet takes the newest frame next and counts the others as dropped.
+/// Parameters: params.h.
 class SegmentationNodelet : public nodelet::Nodelet {
  public:
   ~SegmentationNodelet() override;
@@ -38,11 +39,13 @@ class SegmentationNodelet : public nodelet::Nodelet {
   void publishClouds(const DepthView& depth, const Segments& segments);
   void publishPart(const ros::Publisher& cloud, const DepthView& depth, const Segments& segments,
                    const std::vector<std::uint32_t>& pixels, int colour);
+  void report(const ros::Time& stamp, const Segments& segments, const Status& input);
   SegmentParams params() const;
 
   bool closing_ = false;
   mutable std::mutex params_mutex_;
   SegmentParams params_;
+  UpDirection up_;
   Segmenter segmenter_;
   TableAndAbove parts_;  // for the debug clouds
   MessagePool<Segments> pool_;

@@ -344,11 +344,11 @@ PlaneFinder::Candidate PlaneFinder::tableAboveFloor(Candidate floor, const Camer
 }
 
 bool PlaneFinder::find(const InverseDepth& inverse, const Camera& camera, const SegmentParams& params,
-                       InversePlane& plane, PlaneSums& sums) {
+                       const Upward& upward, InversePlane& plane, PlaneSums& sums) {
   takeSamples(inverse);
-  const double least_up = cosineOf(params.max_tilt_deg);
+  const double least_up = cosineOf(upward.max_tilt_deg);
   const Candidate largest = draw(samples_, params, [&](const InversePlane& candidate) {
-    return -metricOf(candidate, camera).normal.y() >= least_up;
+    return metricOf(candidate, camera).normal.dot(upward.direction) >= least_up;
   });
   if (largest.inliers < 3) return false;
   plane = tableAboveFloor(largest, camera, params).plane;

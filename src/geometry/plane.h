@@ -31,14 +31,20 @@ struct PlaneSums {
   void fill(const InversePlane& plane, int width_px, int height_px);
 };
 
+/// Which way is up, as a unit vector in the camera's frame, and how far a table's normal may lean from it.
+struct Upward {
+  Eigen::Vector3d direction{0, -1, 0};
+  int max_tilt_deg = 100;
+};
+
 /// RANSAC over a regular subsample, then least squares over all pixels.
 class PlaneFinder {
  public:
   void reserve(int width_px, int height_px);
 
   /// False if no plane has enough pixels. Otherwise `plane` and `sums` (its table) are set.
-  bool find(const InverseDepth& inverse, const Camera& camera, const SegmentParams& params, InversePlane& plane,
-            PlaneSums& sums);
+  bool find(const InverseDepth& inverse, const Camera& camera, const SegmentParams& params, const Upward& upward,
+            InversePlane& plane, PlaneSums& sums);
 
   struct Samples {
     std::vector<float> u, v, inverse;  ///< whole numbers below 2^24

@@ -37,6 +37,12 @@ std::size_t scaled(int pixels, const InverseDepth& inverse) {
   return static_cast<std::size_t>(pixels * static_cast<std::int64_t>(inverse.values.size()) / kReferencePixels);
 }
 
+Upward upwardOf(const SegmentParams& params, const std::optional<Eigen::Vector3f>& up) {
+  constexpr int kKnownUpTilt_deg = 30;  // a mount's and a table's own tilt are less, a wall's is 90
+  if (!up) return {{0, -1, 0}, params.max_tilt_deg};
+  return {up->cast<double>(), std::min(params.max_tilt_deg, kKnownUpTilt_deg)};
+}
+
 /// Of the smallest rectangle around the points whose sides are parallel to the axes.
 std::array<Point2, 4> cornersAround(Span<const Point2> points) {
   Point2 low = points[0], high = points[0];
@@ -68,9 +74,9 @@ struct Segmenter::Workspace {
   std::vector<Cluster> clusters;
   Scene scene;
 
-  void segment(const DepthView& depth, const SegmentParams& params);
+  void segment(const DepthView& depth, const SegmentParams& params, const std::optional<Eigen::Vector3f>& up);
   void reserve(int width_px, int height_px);
-  bool findTable(const DepthView& depth, const SegmentParams& params);
+  bool findTable(const DepthView& depth, const SegmentParams& params, const std::optional<Eigen::Vector3f>& up);
   void findClusters(const DepthView& depth, const SegmentParams& params);
   void drop(DropReason reason, Span<const std::uint32_t> gone);
   void findParts(const Surface& surface, const Camera& camera, const SegmentParams& params);
@@ -99,7 +105,8 @@ void Segmenter::Workspace::reserve(int width_px, int height_px) {
   left_out.reserve(kMostLeftOut);
 }
 
-void Segmenter::Workspace::segment(const DepthView& depth, const SegmentParams& params) {
+void Segmenter::Workspace::segment(const DepthView& depth, const SegmentParams& params,
+                                   const std::optional<Eigen::Vector3f>& up) {
   scene = Scene{};
   clusters.clear();
   left_out.clear();
@@ -113,16 +120,17 @@ void Segmenter::Workspace::segment(const DepthView& depth, const SegmentParams& 
   scene.status = SceneStatus::NoDepth;
   if (inverse.valid == 0) return;
   scene.status = SceneStatus::NoTable;
-  if (!findTable(depth, params)) return;
+  if (!findTable(depth, params, up)) return;
   findClusters(depth, params);
   scene.clusters = {clusters.data(), clusters.size()};
   scene.left_out = {left_out.data(), left_out.size()};
   scene.status = clusters.empty() ? SceneStatus::EmptyTable : SceneStatus::Ok;
 }
 
-bool Segmenter::Workspace::findTable(const DepthView& depth, const SegmentParams& params) {
+bool Segmenter::Workspace::findTable(const DepthView& depth, const SegmentParams& params,
+                                     const std::optional<Eigen::Vector3f>& up) {
   InversePlane plane;
-  if (!plane_finder.find(inverse, depth.camera, params, plane, sums)) return false;
+  if (!plane_finder.find(inverse, depth.camera, params, upwardOf(params, up), plane, sums)) return false;
   const MetricPlane metric = metricOf(plane, depth.camera);
   const PlaneSupport support = supportOf(inverse, sums, fineTolerance(params), metric.distance_m);
   if (support.inliers < std::max<std::size_t>(scaled(params.min_table_pixels, inverse), 3)) return false;
@@ -233,8 +241,9 @@ Segmenter::~Segmenter() = default;
 Segmenter::Segmenter(Segmenter&&) noexcept = default;
 Segmenter& Segmenter::operator=(Segmenter&&) noexcept = default;
 
-const Scene& Segmenter::segment(const DepthView& depth, const SegmentParams& params) {
-  workspace_->segment(depth, params);
+const Scene& Segmenter::segment(const DepthView& depth, const SegmentParams& params,
+                                const std::optional<Eigen::Vector3f>& up) {
+  workspace_->segment(depth, params, up);
   return workspace_->scene;
 }
 

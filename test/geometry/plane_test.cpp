@@ -61,7 +61,7 @@ TEST(PlaneFinder, FindsTheRenderedTable) {
   invert(image.view(), 300, 2500, inverse);
   InversePlane plane;
   PlaneSums sums;
-  ASSERT_TRUE(PlaneFinder().find(inverse, image.camera, SegmentParams{}, plane, sums));
+  ASSERT_TRUE(PlaneFinder().find(inverse, image.camera, SegmentParams{}, Upward{}, plane, sums));
   const MetricPlane metric = metricOf(plane, image.camera);
   EXPECT_NEAR(metric.distance_m, 0.6, 0.0005);
   EXPECT_GT(metric.normal.dot(test::inCamera(view, 0, 0, 1) - test::inCamera(view, 0, 0, 0)),
@@ -80,7 +80,7 @@ TEST(PlaneFinder, PrefersATableToTheFloorBelowIt) {
   invert(image.view(), 300, 4000, inverse);
   InversePlane plane;
   PlaneSums sums;
-  ASSERT_TRUE(PlaneFinder().find(inverse, image.camera, SegmentParams{}, plane, sums));
+  ASSERT_TRUE(PlaneFinder().find(inverse, image.camera, SegmentParams{}, Upward{}, plane, sums));
   EXPECT_NEAR(metricOf(plane, image.camera).distance_m, 0.6, 0.005);
 }
 

@@ -191,6 +191,33 @@ TEST(Segmenter, SeesATableFromStraightAbove) {
   EXPECT_NEAR(scene.clusters[0].extents_m.z(), 0.08, 0.002);
 }
 
+TEST(Segmenter, KnowsAWallFromATableWhereUpIsKnown) {
+  const Image flat{640, 480, std::vector<std::uint16_t>(640 * 480, 1000), View{}.camera()};
+  Segmenter segmenter;
+  const auto statusWith = [&](const Eigen::Vector3f& up) {
+    return segmenter.segment(flat.view(), SegmentParams{}, up).status;
+  };
+  EXPECT_EQ(segmenter.segment(flat.view(), SegmentParams{}).status, SceneStatus::EmptyTable);
+  EXPECT_EQ(statusWith({0, -1, 0}), SceneStatus::NoTable);  // before a level camera
+  EXPECT_EQ(statusWith({0, 0, -1}), SceneStatus::EmptyTable);
+  EXPECT_EQ(statusWith(Eigen::Vector3f(0, -0.5f, -0.8f).normalized()), SceneStatus::NoTable);  // 32 degrees
+  EXPECT_EQ(statusWith(Eigen::Vector3f(0, -0.5f, -1.0f).normalized()), SceneStatus::EmptyTable);
+}
+
+TEST(Segmenter, FindsTheTableBeforeACameraThatHangsUpsideDownWhereUpIsKnown) {
+  const View view;
+  Image image = render(view, {kTall});
+  std::reverse(image.millimetres.begin(), image.millimetres.end());
+  EXPECT_EQ(statusOf(image.view()), SceneStatus::NoTable);
+  const Eigen::Vector3d upright = test::inCamera(view, 0, 0, 1) - test::inCamera(view, 0, 0, 0);
+  const Eigen::Vector3f up = Eigen::Vector3d(-upright.x(), -upright.y(), upright.z()).cast<float>();
+  Segmenter segmenter;
+  const Scene& scene = segmenter.segment(image.view(), SegmentParams{}, up);
+  ASSERT_EQ(scene.clusters.size, 1u);
+  EXPECT_GT(scene.table.normal.dot(up), 0.9999f);
+  EXPECT_NEAR(scene.table.distance_m, view.camera_height_m, 0.0005);
+}
+
 TEST(Segmenter, NeedsEnoughTable) {
   View small;
   small.left_m = -0.04;

@@ -42,7 +42,7 @@ struct Prepared {
     PlaneFinder finder;
     finder.reserve(image.width_px, image.height_px);
     InversePlane plane;
-    EXPECT_TRUE(finder.find(inverse, image.camera, params, plane, sums));
+    EXPECT_TRUE(finder.find(inverse, image.camera, params, Upward{}, plane, sums));
     const MetricPlane metric = metricOf(plane, image.camera);
     distance_m = metric.distance_m;
     rays.fill(image.camera, image.width_px, image.height_px);

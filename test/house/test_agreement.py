@@ -16,14 +16,16 @@ def test_generated_files_follow_from_params_yaml(root):
 
 
 def test_launch_files_and_nodelets_start_from_the_same_defaults(root):
-    at_start = yaml.safe_load((root / "cfg/params.yaml").read_text())["classification"]["at_start"]
+    groups = yaml.safe_load((root / "cfg/params.yaml").read_text())
+    at_start = groups["segmentation"]["at_start"] | groups["classification"]["at_start"]
     for name in ("voxid.launch", "replay.launch"):
         arguments = {arg.get("name"): arg.get("default")
                      for arg in xml.parse(root / "launch" / name).getroot().iter("arg")
                      if arg.get("default") is not None}
         shared = set(arguments) & set(at_start)
-        assert shared == {"index", "target_frame", "align", "models"}
-        assert {key: arguments[key] for key in shared} == {key: at_start[key]["default"] for key in shared}
+        assert shared == {"index", "target_frame", "up_frame", "align", "models", "debug"}
+        assert {key: arguments[key] for key in shared} == {
+            key: str(at_start[key]["default"]).lower() for key in shared}
 
 
 def version_of_cmake(root):

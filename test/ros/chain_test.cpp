@@ -342,6 +342,36 @@ class Diagnostics {
   ros::Subscriber subscriber_;
 };
 
+TEST_F(Chain, TheTableOfACameraThatHangsUpsideDownIsFoundWhereTfKnowsUp) {
+  node_.setParam("segmentation/up_frame", "ground");
+  start();
+  Diagnostics diagnostics(name_);
+  Listener<Objects> listener(node_, "objects");
+  const TableScene scene;
+  std::vector<std::uint16_t> depth_mm = scene.depth_mm();
+  std::reverse(depth_mm.begin(), depth_mm.end());
+  ObjectsConstPtr objects = answerTo(depth_mm, listener);
+  ASSERT_TRUE(objects);
+  EXPECT_EQ(objects->status, Objects::NO_TABLE + 0);
+  EXPECT_TRUE(diagnostics.becomes("segmentation", "message", "no transform from 'ground' to 'camera'"));
+  EXPECT_GE(std::stoi(diagnostics.value("segmentation", "frames_without_up")), 1);
+
+  geometry_msgs::TransformStamped transform;
+  transform.header.frame_id = "ground";
+  transform.child_frame_id = "camera";
+  const Eigen::Matrix3d turned(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()));
+  transform.transform.rotation = quaternionOf(Eigen::Quaterniond(scene.tableFromCamera().rotation() * turned));
+  tf2_ros::StaticTransformBroadcaster broadcaster;
+  broadcaster.sendTransform(transform);
+  EXPECT_TRUE(eventually(5, [&] {
+    objects = listener.wait(show(depth_mm), 0.5);
+    return objects && objects->status != Objects::NO_TABLE;
+  }));
+  ASSERT_TRUE(objects);
+  EXPECT_NEAR(objects->table.distance_m, scene.height_m, 0.005);
+  EXPECT_EQ(objects->objects.size(), 2u);
+}
+
 TEST_F(Chain, AnOrganisedCloudStandsInForADepthImage) {
   test::writeSceneIndex(index_path_);
   image_.shutdown();  // the cloud's own

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
+#include <optional>
 
 #include "voxid/geometry/scene.h"
 #include "voxid/geometry/segment_params.h"
@@ -17,8 +19,11 @@ class Segmenter {
   Segmenter(Segmenter&&) noexcept;
   Segmenter& operator=(Segmenter&&) noexcept;
 
-  /// Never fails: the scene's status says what was (not) found.
-  const Scene& segment(const DepthView& depth, const SegmentParams& params);
+  /// Never fails: the scene's status says what was (not) found. `up`: unit vector away from the ground, in the camera's
+  /// frame, where it is known. A table's normal is within 30 degrees of it (and max_tilt_deg); otherwise within
+  /// max_tilt_deg of the image's upward direction.
+  const Scene& segment(const DepthView& depth, const SegmentParams& params,
+                       const std::optional<Eigen::Vector3f>& up = {});
 
  private:
   struct Workspace;
