@@ -235,9 +235,11 @@ TEST_F(Memory, ItsParametersWorkInTheNextFrame) {
   };
   const auto aloneScore = [&] { return answersOfTheFrameAlone()[0].score_permille / 1000.0f; };
   for (int frame = 0; frame < 10; ++frame) thing();
-  EXPECT_NE(thing().score, aloneScore()) << "the mean of all frames";
+  const float remembered = thing().score;
+  EXPECT_NE(remembered, aloneScore()) << "the mean of all frames";
   set("memory_half_life_ms", 0);
-  EXPECT_EQ(thing().score, aloneScore());
+  const float forgotten = thing().score;
+  EXPECT_EQ(forgotten, aloneScore()) << "of the frame alone";
 
   const std::uint32_t first = thing().number;
   scene.boxes[0].centre_m.x() -= 0.03;
