@@ -107,7 +107,7 @@ void PolarLayout::add(const SurfaceCell& cell) {
 PolarLayout::Coefficient PolarLayout::coefficient(int series, int order, std::int64_t whole) const {
   constexpr std::int64_t kOne = 1 << 5;  // and 2^10 of the waves
   const auto s = static_cast<std::size_t>(series), m = static_cast<std::size_t>(order);
-  const std::int64_t scale = (order == 0 ? kOne : 2 * kOne), unit = series < kRings ? whole : kParts * whole;
+  const std::int64_t scale = order == 0 ? kOne : 2 * kOne, unit = series < kRings ? whole : kParts * whole;
   const std::int32_t* const density = densities_[s].data();
   return {static_cast<std::int32_t>(productOf(density, kWaves.cosine[m].data()) * scale / unit),
           static_cast<std::int32_t>(productOf(density, kWaves.sine[m].data()) * scale / unit)};

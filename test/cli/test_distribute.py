@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import shutil
 import signal
 import socket
 import subprocess
@@ -162,16 +163,20 @@ def test_a_scheduler_that_ends_is_one_sentence(voxid, models, out, expected, clu
     assert out.read_bytes() == expected
 
 
-def test_an_interrupt_ends_a_local_cluster_with_one_line(voxid, models, out):
-    """As Ctrl-C sends it: to this process, Dask's and their children."""
-    words = [PROGRAM, "build", "--models", models, "--out", out, "--workers", 2]
+def test_an_interrupt_ends_a_local_cluster_with_one_line(voxid, models, out, tmp_path):
+    """As Ctrl-C sends it: to this process, Dask's and their children. Of some seconds' work, the first model is done."""
+    many = tmp_path / "many"
+    for copy in range(8):
+        shutil.copytree(models, many, dirs_exist_ok=True,
+                        copy_function=lambda mesh, to: shutil.copy(mesh, to.replace(".", f"_{copy}.")))
+    words = [PROGRAM, "build", "--models", many, "--out", out, "--workers", 2]
     build = subprocess.Popen([str(word) for word in words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                              start_new_session=True)
     while not list(pathlib.Path(f"{out}.parts").glob("*.shard")) and build.poll() is None:
         time.sleep(0.005)
     os.killpg(build.pid, signal.SIGINT)
     assert build.communicate(timeout=60)[0] == "voxid: interrupted\n" and build.returncode == 1
-    assert voxid("build", "--models", models, "--out", out, "--resume").code == 0
+    assert voxid("build", "--models", many, "--out", out, "--resume").code == 0
 
 
 def test_what_goes_wrong_is_one_sentence(voxid, models, out, tmp_path):
