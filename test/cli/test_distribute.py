@@ -164,7 +164,7 @@ def test_a_scheduler_that_ends_is_one_sentence(voxid, models, out, expected, clu
 
 
 def test_an_interrupt_ends_a_local_cluster_with_one_line(voxid, models, out, tmp_path):
-    """As Ctrl-C sends it: to this process, Dask's and their children. Of some seconds' work, the first model is done."""
+    """As Ctrl-C sends it: to this process, Dask's and their children. Some seconds' work is left."""
     many = tmp_path / "many"
     for copy in range(8):
         shutil.copytree(models, many, dirs_exist_ok=True,
