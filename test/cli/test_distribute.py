@@ -170,8 +170,9 @@ def test_an_interrupt_ends_a_local_cluster_with_one_line(voxid, models, out, tmp
         shutil.copytree(models, many, dirs_exist_ok=True,
                         copy_function=lambda mesh, to: shutil.copy(mesh, to.replace(".", f"_{copy}.")))
     words = [PROGRAM, "build", "--models", many, "--out", out, "--workers", 2]
+    # A shell's background jobs ignore interrupts, and so would what they start.
     build = subprocess.Popen([str(word) for word in words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                             start_new_session=True)
+                             start_new_session=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     while not list(pathlib.Path(f"{out}.parts").glob("*.shard")) and build.poll() is None:
         time.sleep(0.005)
     os.killpg(build.pid, signal.SIGINT)
