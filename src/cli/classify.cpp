@@ -260,7 +260,7 @@ Run addClassify(CLI::App& app) {
                  "With --align, --evidence align: the folder that the index was made from, if it keeps no surfaces")
       ->type_name("DIR");
   options->search.addTo(app);
-  CLI::Option* const vote = app.add_flag("--vote", options->vote, "The ten nearest views vote (default)");
+  CLI::Option* const vote = app.add_flag("--vote", options->vote, "The models of the 64 nearest views vote (default)");
   app.add_flag("--1nn", options->one_nn, "The nearest view alone decides")->excludes(vote);
   app.add_option("--min-score", options->min_score,
                  "Below this score (0 to 1) the label is left empty; alternatives stay")

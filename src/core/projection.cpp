@@ -103,7 +103,8 @@ Status Projection::check(const std::string& name) {
     return Status::cannotDo("the projection " + name + " is of version " + std::to_string(h.version) +
                             ", descriptor revision " + std::to_string(h.revision) + "; this voxid uses " +
                             std::to_string(format::kProjectionVersion) + " and " +
-                            std::to_string(kDepthDescriptorRevision) + "; learn it anew with `voxid train`");
+                            std::to_string(kDepthDescriptorRevision) +
+                            "; make it anew: a projection with `voxid train`, an index with `voxid build`");
   }
   const bool sized = (h.code_bytes == 32 || h.code_bytes == 64) && h.lists >= 1 && h.lists <= kMaxLists &&
                      h.pairs >= 1 && h.pairs <= kMaxPairs;
