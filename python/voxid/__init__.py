@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""voxid in Python: describe(), Index, render() and more (compiled, numpy in and out), and voxid.acquire, which is
-written on them. __init__.pyi is the manual."""
+"""voxid in Python: describe(), Index, render(), build() and more (compiled, numpy in and out), and voxid.acquire and
+voxid.distribute, which are written on them. __init__.pyi is the manual."""
 import pkgutil
 
 # ROS generates a package of the same name (voxid.msg); whichever comes first on the path finds the other's parts.
 __path__ = pkgutil.extend_path(__path__, __name__)
-__all__ = ["Index", "describe", "describe_views", "read_mesh", "render"]
+__all__ = ["BuildReport", "DamagedError", "Index", "build", "describe", "describe_views", "merge", "read_mesh",
+           "render"]
 
 
 def __getattr__(name):

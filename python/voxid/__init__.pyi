@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """numpy in and out; nothing is copied that need not be. The global lock is released while something is computed, so
-threads run beside one another. ValueError: a wrong argument. OSError: a file that cannot be read, or is damaged."""
+threads run beside one another. ValueError: a wrong argument. OSError: a file that cannot be read or written;
+DamagedError: one that is not whole."""
 import os
-from typing import List, Optional, Sequence, Tuple, Union, overload
+from typing import Callable, List, Optional, Sequence, Tuple, Union, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -34,6 +35,38 @@ def render(mesh: Mesh, view: int = 0, *, clean: bool = False, seed: int = 1) -> 
     """A depth image in millimetres (480 x 640) of a mesh from one of the 80 directions, and its camera. Size, distance,
     roll and noise follow from `seed`, as in `voxid render --seed`; `clean`: without noise. A file is read in a child
     process."""
+
+Path = Union[str, bytes, os.PathLike]
+
+class DamagedError(OSError):
+    """A file that is empty, cut, or not what it says it is."""
+
+class BuildReport:
+    @property
+    def categories(self) -> int:
+        """In the index, as `bytes`; 0 of a part."""
+    @property
+    def models(self) -> int: ...
+    @property
+    def views(self) -> int: ...
+    @property
+    def bytes(self) -> int: ...
+    @property
+    def skipped(self) -> List[Tuple[str, str]]:
+        """Models (`category/file`) that could not be used, and why."""
+
+def build(models: Path, out: Path, *, part: Optional[Tuple[int, int]] = None, resume: bool = False,
+          jobs: Optional[int] = None, views_every: int = 1, keep_points: bool = False, descriptor: str = "default",
+          projection: Optional[Path] = None, pairs: Optional[int] = None,
+          on_progress: Optional[Callable[[int, int, int], None]] = None) -> BuildReport:
+    """What `voxid build` does, with its options; the index has the same bytes. `part=(k, n)`: every n-th model from
+    number k on, which is left in OUT.parts; `resume=True` takes what is there and writes the index. `jobs`: processes,
+    by default as many as processors. `on_progress(done, models, views)` is called some ten times a second; what it
+    raises, and Ctrl-C while models are drawn, ends the build, which `resume` continues. The processes are forked: no
+    other thread may be in a function of this module meanwhile."""
+def merge(indices: Sequence[Path], out: Path, *, replace: bool = False) -> None:
+    """Writes what all the indices hold to `out`, which may be one of them, as `voxid merge` does. A model that two of
+    them have is refused, or with `replace` taken from the later one."""
 
 class Index:
     """A .vxi file, mapped; its searches may be asked by several threads at once."""

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """voxid build --workers N | --scheduler tcp://host:8786: models spread over Dask's workers (doc/scaling.md).
 
-A task is one `voxid build --part K/N` on a worker; it leaves finished models in OUT.parts, on storage that all see, and
-gives a receipt back. When all are there, `voxid build --resume` reads them one after another and writes the index: the
-same bytes as of a build that did everything itself."""
+A task is voxid.build(part=(k, n)) on a worker, in a process of its own (build_part.py); it leaves finished models in
+OUT.parts, on storage that all see, and gives a receipt back. When all are there, `voxid build --resume` reads them one
+after another and writes the index: the same bytes as of a build that did everything itself."""
 import asyncio
 import concurrent.futures
 import contextlib
@@ -21,6 +21,7 @@ import subprocess
 import sys
 import time
 
+import voxid
 from voxid.acquire.parser import Parser
 from voxid.failure import BAD_USE, CANNOT_DO, Failure
 
@@ -30,40 +31,47 @@ DEATHS = 5  # of workers at the same task, after which it is given up
 CANCELLED = (asyncio.CancelledError, concurrent.futures.CancelledError)  # what tasks end with whose scheduler is gone
 
 
-def options_of(arguments):
+def places_of(arguments):
+    """Where and how it is to be done, and the arguments that say what: those of a build on one machine."""
     parser = Parser(prog="voxid build", add_help=False)
-    for name in ("--models", "--out", "--views-every", "--descriptor", "--projection", "--pairs", "--scheduler"):
-        parser.add_argument(name)
+    parser.add_argument("--scheduler")
     parser.add_argument("--workers", type=int)
-    parser.add_argument("--keep-points", action="store_true")
     parser.add_argument("--resume", action="store_true")
     parser.add_argument("--json", action="store_true")
-    return parser.parse_args(arguments)
+    return parser.parse_known_args(arguments)
 
 
-def words_of(options):
-    """The command line of a build that does the same, by full paths: workers stand in other folders."""
-    words = ["--models", os.path.abspath(options.models), "--out", os.path.abspath(options.out),
-             "--views-every", options.views_every, "--descriptor", options.descriptor]
-    words += ["--keep-points"] if options.keep_points else []
-    words += ["--projection", os.path.abspath(options.projection)] if options.projection else []
-    return words + (["--pairs", options.pairs] if options.pairs else [])
+def settings_of(words):
+    """The same as arguments of voxid.build(), by full paths: workers stand in other folders."""
+    parser = Parser(prog="voxid build", add_help=False)
+    for name in ("--models", "--out", "--projection"):
+        parser.add_argument(name, type=os.path.abspath)
+    parser.add_argument("--descriptor")
+    parser.add_argument("--views-every", type=int)
+    parser.add_argument("--pairs", type=int)
+    parser.add_argument("--keep-points", action="store_true")
+    return vars(parser.parse_args(words))
 
 
-def build_part(program, words, part):
+def child_words():
+    """Starts build_part.py, on any machine that has voxid under the same path."""
+    folders = [os.path.dirname(os.path.abspath(part)) for part in voxid.__path__]
+    script = os.path.join(os.path.dirname(os.path.abspath(__file__)), "build_part.py")
+    return [sys.executable, "-B", "-E", "-s", "-X", "utf8", script, *folders]
+
+
+def build_part(words, settings, part, parts):
     """On a worker: a receipt. It ends with its worker, so that nobody works on what another has been given."""
     library = ctypes.CDLL(None)
     try:
-        done = subprocess.run([program, "build", *words, "--part", part, "--jobs", "1", "--json"],
-                              stdin=subprocess.DEVNULL, capture_output=True, text=True,
-                              preexec_fn=lambda: library.prctl(1, int(signal.SIGKILL)))
+        done = subprocess.run(words, input=json.dumps({**settings, "part": (part, parts)}), capture_output=True,
+                              text=True, errors="replace", preexec_fn=lambda: library.prctl(1, int(signal.SIGKILL)))
     except OSError as error:
-        return {"part": part, "failure": f"{program} on {socket.gethostname()}: {error.strerror}", "code": CANNOT_DO}
+        return {"failure": f"{words[0]} on {socket.gethostname()}: {error.strerror}", "code": CANNOT_DO}
     if done.returncode != 0:
-        lines = done.stderr.strip().splitlines() or [f"part {part} ended with {done.returncode}"]
-        return {"part": part, "failure": lines[-1], "code": done.returncode}
-    last = json.loads(done.stdout.splitlines()[-1])
-    return {"part": part, "models": last["models"], "views": last["views"], "skipped": last["skipped"]}
+        lines = done.stderr.strip().splitlines() or [f"part {part}/{parts} ended with {done.returncode}"]
+        return {"failure": f"{lines[-1]} (on {socket.gethostname()})", "code": CANNOT_DO}
+    return {"part": f"{part}/{parts}", **json.loads(done.stdout)}
 
 
 def tasks_for(models):
@@ -124,7 +132,7 @@ def load_dask():
         raise Failure("Dask is not installed; scripts/install_deps installs python3-distributed", CANNOT_DO) from None
     dask.config.set({"distributed.scheduler.allowed-failures": DEATHS, "distributed.comm.timeouts.connect": "10s"})
     logging.disable()  # what goes wrong is said in one sentence below
-    cloudpickle.register_pickle_by_value(sys.modules[__name__])  # workers need Dask and the program, not this package
+    cloudpickle.register_pickle_by_value(sys.modules[__name__])  # this package is not on the path of workers
     return distributed
 
 
@@ -134,15 +142,15 @@ def local_cluster(distributed, workers):
 
 
 @contextlib.contextmanager
-def client_of(options):
+def client_of(places):
     with contextlib.ExitStack() as stack:
         try:
             with interrupts_held_back():
                 distributed = load_dask()
-                where = options.scheduler or stack.enter_context(local_cluster(distributed, options.workers))
+                where = places.scheduler or stack.enter_context(local_cluster(distributed, places.workers))
             client = stack.enter_context(distributed.Client(where, set_as_default=False))
         except (OSError, ValueError) as error:
-            raise Failure(f"no Dask scheduler answers at {options.scheduler or 'this machine'}: {error}",
+            raise Failure(f"no Dask scheduler answers at {places.scheduler or 'this machine'}: {error}",
                           CANNOT_DO) from None
         yield client
 
@@ -167,8 +175,9 @@ class Progress:
     def _draw(self):
         seconds = time.monotonic() - self._start
         left_s = int(seconds * (self._parts - self._done) / self._done)
-        line = (f"{self._done} of {self._parts} parts, {self._models} models, {self._views / seconds:.0f} views/s, "
-                f"{left_s // 60}:{left_s % 60:02} left, {self._skipped} skipped")
+        line = (f"{self._done} of {self._parts} parts, {self._models} models, "
+                f"{self._views / seconds:.0f} views/s, {left_s // 60}:{left_s % 60:02} left, "
+                f"{self._skipped} skipped")
         print(f"\r\033[K{line if self._done < self._parts else ''}", end="", file=sys.stderr, flush=True)
 
 
@@ -181,16 +190,15 @@ def receipt_of(future):
         raise Failure(f"{DEATHS} workers died at the same models; what is finished waits for --resume",
                       CANNOT_DO) from None
     if "failure" in receipt:
-        code = receipt["code"] if receipt["code"] > 0 else CANNOT_DO
-        raise Failure(receipt["failure"].removeprefix("voxid: "), code)
+        raise Failure(receipt["failure"], receipt["code"])
     return receipt
 
 
-def collect(options, client, program, words, parts):
+def collect(client, settings, parts, progress):
     """Waits for all receipts; the first refusal ends it."""
     from distributed import as_completed
-    futures = [client.submit(build_part, program, words, f"{part}/{parts}", pure=False) for part in range(parts)]
-    progress = Progress(parts, options.json)
+    words = child_words()
+    futures = [client.submit(build_part, words, settings, part, parts, pure=False) for part in range(parts)]
     try:
         for future in as_completed(futures, loop=client.loop):
             progress.add(receipt_of(future))
@@ -198,15 +206,23 @@ def collect(options, client, program, words, parts):
         raise Failure("the Dask scheduler is gone; what is finished waits for --resume", CANNOT_DO) from None
 
 
+def check(places, models):
+    if places.scheduler and not re.fullmatch(r"(tcp|tls|wss?)://[^/\s]+:\d{1,5}", places.scheduler):
+        raise Failure(f"--scheduler {places.scheduler}: expected tcp://HOST:PORT", BAD_USE)
+    if not os.path.isdir(models):
+        raise Failure(f"{models}: No such file or directory", CANNOT_DO)
+    try:
+        voxid.build
+    except ImportError as error:
+        raise Failure(error, CANNOT_DO) from None
+
+
 def run(program, arguments):
-    options = options_of(arguments)
-    if options.scheduler and not re.fullmatch(r"(tcp|tls|wss?)://[^/\s]+:\d{1,5}", options.scheduler):
-        raise Failure(f"--scheduler {options.scheduler}: expected tcp://HOST:PORT", BAD_USE)
-    if not os.path.isdir(options.models):
-        raise Failure(f"{options.models}: No such file or directory", CANNOT_DO)
-    words = words_of(options)
-    with locked_parts(options.out, options.resume), stderr_of_our_own(), client_of(options) as client:
-        collect(options, client, program, words, tasks_for(options.models))
+    places, words = places_of(arguments)
+    settings = settings_of(words)
+    check(places, settings["models"])
+    parts = tasks_for(settings["models"])
+    with locked_parts(settings["out"], places.resume), stderr_of_our_own(), client_of(places) as client:
+        collect(client, settings, parts, Progress(parts, places.json))
     sys.stdout.flush()
-    more = ["--json"] if options.json else []
-    os.execv(program, [program, "build", *words, "--resume", *more])
+    os.execv(program, [program, "build", *words, "--resume", *(["--json"] if places.json else [])])

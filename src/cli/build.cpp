@@ -9,7 +9,6 @@
 #include "command.h"
 #include "python.h"
 #include "voxid/library/builder.h"
-#include "voxid/library/shipped_projection.h"
 
 namespace voxid::cli {
 namespace {
@@ -65,8 +64,8 @@ void printDoneEvent(const BuildReport& report) {
 /// Which descriptor, as options.
 struct DescriptorChoice {
   std::string descriptor = "default", projection;
-  DescriptorParams params;
-  const CLI::Option* pairs = nullptr;
+  std::uint32_t pairs = DescriptorParams{}.pairs;
+  const CLI::Option* pairs_given = nullptr;
 
   void addTo(CLI::App& app) {
     app.add_option("--descriptor", descriptor, "What views are described with; queries are described alike")
@@ -75,29 +74,19 @@ struct DescriptorChoice {
     app.add_option("--projection", projection,
                    "Of descriptor default: made by `voxid train`, instead of the one shipped")
         ->type_name("FILE");
-    pairs = app.add_option("--pairs", params.pairs, "Of descriptor paper: lines drawn")
-                ->capture_default_str()
-                ->check(CLI::Range(1, 1000000));
+    pairs_given = app.add_option("--pairs", pairs, "Of descriptor paper: lines drawn")
+                      ->capture_default_str()
+                      ->check(CLI::Range(1u, kMaxPairs));
   }
 
   /// As given, for another process.
   void addTo(std::vector<std::string>& arguments) const {
     arguments.insert(arguments.end(), {"--descriptor", descriptor});
     if (!projection.empty()) arguments.insert(arguments.end(), {"--projection", projection});
-    if (pairs->count() > 0) arguments.insert(arguments.end(), {"--pairs", std::to_string(params.pairs)});
+    if (pairs_given->count() > 0) arguments.insert(arguments.end(), {"--pairs", std::to_string(pairs)});
   }
 
-  Result<Profile> profile() const {
-    if (descriptor == "paper") {
-      if (!projection.empty()) return Status::badUse("--projection is for --descriptor default");
-      return Profile{params, nullptr};
-    }
-    if (pairs->count() > 0)
-      return Status::badUse("--pairs is for --descriptor paper; a projection says how many pairs it needs");
-    const auto read = projection.empty() ? shippedProjection() : Projection::read(projection);
-    if (!read.ok()) return read.status;
-    return Profile{{}, read.value};
-  }
+  Result<Profile> profile() const { return profileOf(descriptor, projection, pairs_given->count() > 0 ? pairs : 0); }
 };
 
 /// Where the work is done, besides this process.

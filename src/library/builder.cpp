@@ -17,6 +17,7 @@
 #include "voxid/core/index.h"
 #include "voxid/library/confidence_learner.h"
 #include "voxid/library/index_assembler.h"
+#include "voxid/library/shipped_projection.h"
 #include "voxid/library/shrink_codes.h"
 #include "voxid/library/views.h"
 
@@ -190,6 +191,23 @@ class Builder {
 };
 
 }  // namespace
+
+Result<Profile> profileOf(const std::string& descriptor, const std::string& projection, std::uint32_t pairs) {
+  if (descriptor != "default" && descriptor != "paper")
+    return Status::badUse("descriptor '" + descriptor + "': expected default or paper");
+  if (pairs > kMaxPairs)
+    return Status::badUse("--pairs is " + std::to_string(pairs) + ", expected 1 to " + std::to_string(kMaxPairs));
+  if (descriptor == "paper") {
+    if (!projection.empty()) return Status::badUse("--projection is for descriptor default");
+    Profile paper;
+    if (pairs > 0) paper.params.pairs = pairs;
+    return paper;
+  }
+  if (pairs > 0) return Status::badUse("--pairs is for descriptor paper; a projection says how many it needs");
+  const auto read = projection.empty() ? shippedProjection() : Projection::read(projection);
+  if (!read.ok()) return read.status;
+  return Profile{{}, read.value};
+}
 
 Result<BuildReport> buildIndex(const BuildOptions& options, BuildListener& listener) {
   return Builder(options, listener).build();

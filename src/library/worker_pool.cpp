@@ -99,6 +99,9 @@ class Pool {
  public:
   Pool(int jobs, const PoolWork& work)
       : work_(work), board_(work.items, jobs), pids_(static_cast<std::size_t>(jobs), 0) {}
+  ~Pool() { stop(); }
+  Pool(const Pool&) = delete;
+  Pool& operator=(const Pool&) = delete;
 
   Status run() {
     Status status;
@@ -110,9 +113,7 @@ class Pool {
       work_.onTick();
       if (status.ok()) status = board_.refusal();
     }
-    if (status.ok()) status = board_.refusal();
-    if (!status.ok()) stop();
-    return status;
+    return status.ok() ? board_.refusal() : status;
   }
 
  private:

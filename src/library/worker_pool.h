@@ -20,7 +20,7 @@ struct PoolWork {
 };
 
 /// Forks `jobs` workers, which take items in ascending order; a worker that dies is replaced. The first refusal, if
-/// any. Workers end with the calling process, however that ends.
+/// any. Workers end with it, also if one of the functions throws, and with the calling process, however that ends.
 Status runInProcesses(int jobs, const PoolWork& work);
 
 }  // namespace voxid

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "build.h"
+#include "errors.h"
 #include "voxid/core/descriptor.h"
 #include "voxid/core/encoder.h"
 #include "voxid/core/index.h"
@@ -30,19 +32,6 @@ namespace {
 template <typename T>
 using Array = py::array_t<T, py::array::c_style>;
 using Converted = py::array_t<double, py::array::c_style | py::array::forcecast>;
-
-void require(bool condition, const std::string& sentence) {
-  if (!condition) throw py::value_error(sentence);
-}
-
-/// BadUse becomes ValueError, everything else what Python uses for files.
-template <typename T>
-T valueOf(Result<T> result) {
-  if (result.ok()) return std::move(result.value);
-  if (result.status.kind == Status::Kind::BadUse) throw py::value_error(result.status.sentence);
-  PyErr_SetString(PyExc_OSError, result.status.sentence.c_str());
-  throw py::error_already_set();
-}
 
 /// Of metres; points that are no numbers, or too far for micrometres in an int32, are left out.
 std::vector<PointUm> fromMetres(const double* metres, std::size_t count) {
@@ -408,6 +397,7 @@ PYBIND11_MODULE(_native, module) {
   module.def("read_mesh", arraysOfFile, py::arg("path"));
   module.def("render", drawMesh, py::arg("mesh"), py::arg("view") = 0, py::kw_only(), py::arg("clean") = false,
              py::arg("seed") = 1);
+  addBuild(module);
 
   py::class_<PyIndex, std::shared_ptr<PyIndex>>(module, "Index")
       .def_static("open", &PyIndex::open, py::arg("path"))

@@ -128,13 +128,15 @@ def test_a_module_that_cannot_be_loaded_says_nothing_of_a_mesh(tmp_path, monkeyp
         judge.judge(tmp_path / "a.ply")
 
 
-def test_a_voxid_without_its_compiled_module_is_one_sentence(folder, tmp_path):
+@pytest.mark.parametrize("command", ["acquire", "build"])
+def test_a_voxid_without_its_compiled_module_is_one_sentence(folder, tmp_path, command):
     (tmp_path / "usr/bin").mkdir(parents=True)
     program = shutil.copy(PROGRAM, tmp_path / "usr/bin/voxid")
     shutil.copytree(ROOT / "python", tmp_path / "usr/python")
     shutil.copytree(ROOT / "cfg", tmp_path / "cfg")
-    run = subprocess.run([program, *arguments(folder, tmp_path / "lib", "--yes")], capture_output=True, text=True,
-                         timeout=60)
+    words = {"acquire": arguments(folder, tmp_path / "lib", "--yes"),
+             "build": ["build", "--models", folder, "--out", tmp_path / "a.vxi", "--workers", "1"]}
+    run = subprocess.run([program, *words[command]], capture_output=True, text=True, timeout=60)
     (line,) = run.stderr.splitlines()
     assert run.returncode == 1 and line.startswith("voxid: voxid's compiled part cannot be loaded"), line
 

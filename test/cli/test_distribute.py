@@ -107,7 +107,7 @@ class Build:
         self._out = out
         self.process = subprocess.Popen(["/usr/bin/python3", "-B", "-c", script], stdout=subprocess.PIPE,
                                         stderr=subprocess.PIPE, text=True,
-                                        env={**os.environ, "PYTHONPATH": str(ROOT / "python")})
+                                        env={**os.environ, "PYTHONPATH": str(PROGRAM.parents[1] / "python")})
 
     def wait_for_models(self, count):
         parts, deadline = pathlib.Path(f"{self._out}.parts"), time.time() + 60
@@ -191,6 +191,19 @@ def test_what_goes_wrong_is_one_sentence(voxid, models, out, tmp_path):
         voxid("build", "--models", models, "--out", out, "--scheduler", wrong).refuses(2, wrong, "tcp://HOST:PORT")
     (tmp_path / "empty" / "cube").mkdir(parents=True)
     voxid("build", "--models", tmp_path / "empty", "--out", out, "--workers", 1).refuses(3, "no mesh")
+
+
+def test_a_part_that_cannot_be_made_is_a_sentence_and_its_code(models, out, tmp_path):
+    (tmp_path / "damaged").mkdir()
+    (tmp_path / "damaged" / "library.json").write_text("[]")
+    words, settings = distribute.child_words(), {"models": str(models), "out": str(out)}
+    for child, wrong, part, code, sentence in [(["/absent/python3"], {}, 0, 1, "/absent/python3 on"),
+                                               (["/bin/sh", "-c", "echo gone >&2; kill -9 $$"], {}, 0, 1, "gone"),
+                                               (words, {}, 2, 2, "no such part"),
+                                               (words, {"models": "/absent"}, 0, 1, "/absent: No such"),
+                                               (words, {"models": str(tmp_path / "damaged")}, 0, 4, "library.json")]:
+        receipt = distribute.build_part(child, {**settings, **wrong}, part, 2)
+        assert receipt["code"] == code and sentence in receipt["failure"], receipt
 
 
 def test_tasks_are_of_some_models_each(models):

@@ -3,6 +3,8 @@
 import ast
 import os
 import pathlib
+import shutil
+import signal
 import subprocess
 import threading
 import time
@@ -128,6 +130,109 @@ def test_a_paper_index_is_asked_with_bins(paper_index, image):
     assert views.tolist() == order.tolist() and distances.tolist() == expected[order].tolist()
 
 
+def test_parts_make_the_index_of_the_command_line(models, index, tmp_path):
+    voxid_module.render(str(models / "tin/tin_a.ply"))  # the processes of a build are forked from what this leaves
+    out, told = tmp_path / "parts.vxi", []
+    reports = [voxid_module.build(models, out, part=(k, 2), jobs=1) for k in range(2)]
+    assert not out.exists() and [(report.models, report.skipped) for report in reports] == [(4, []), (3, [])]
+    whole = voxid_module.build(str(models), bytes(out), resume=True, on_progress=lambda *counts: told.append(counts))
+    assert out.read_bytes() == index.read_bytes()
+    views = sum(report.views for report in reports)
+    assert (whole.categories, whole.models, whole.views, whole.bytes) == (6, 7, views, out.stat().st_size)
+    assert told[-1] == (7, 7, views)
+
+
+@pytest.mark.parametrize("words, options", [
+    (["--descriptor", "paper", "--pairs", "500"], {"descriptor": "paper", "pairs": 500}),
+    (["--keep-points"], {"keep_points": True}),
+    (["--projection", ROOT / "cfg/default.vxp"], {"projection": ROOT / "cfg/default.vxp"})])
+def test_options_are_those_of_the_command_line(voxid, models, tmp_path, words, options):
+    expected, out = tmp_path / "expected.vxi", tmp_path / "out.vxi"
+    assert voxid("build", "--models", models, "--out", expected, "--views-every", 40, *words).code == 0
+    voxid_module.build(models, out, views_every=40, **options)
+    assert out.read_bytes() == expected.read_bytes()
+
+
+def test_indices_are_merged_as_by_the_command_line(voxid, models, tmp_path):
+    halves = [tmp_path / "tins.vxi", tmp_path / "cubes.vxi"]
+    for half, category in zip(halves, ("tin", "cube")):
+        (tmp_path / half.stem).mkdir()
+        (tmp_path / half.stem / category).symlink_to(models / category)
+        voxid_module.build(tmp_path / half.stem, half, views_every=40)
+    assert voxid("merge", *halves, "--out", tmp_path / "expected.vxi").code == 0
+    voxid_module.merge(halves, tmp_path / "out.vxi")
+    assert (tmp_path / "out.vxi").read_bytes() == (tmp_path / "expected.vxi").read_bytes()
+    with pytest.raises(OSError, match="tin_a"):
+        voxid_module.merge([halves[0], halves[0]], tmp_path / "out.vxi")
+    voxid_module.merge([halves[0], halves[0]], tmp_path / "out.vxi", replace=True)
+    assert (tmp_path / "out.vxi").read_bytes() == halves[0].read_bytes()
+
+
+@pytest.mark.parametrize("error, options, words", [
+    (ValueError, {"descriptor": "none"}, "'none': expected default or paper"),
+    (ValueError, {"part": (2, 2)}, "no such part"),
+    (ValueError, {"pairs": 500}, "descriptor paper"),
+    (ValueError, {"descriptor": "paper", "pairs": 0}, "1 to 1000000"),
+    (ValueError, {"descriptor": "paper", "projection": "a.vxp"}, "descriptor default"),
+    (ValueError, {"jobs": 0}, "1 to 1024"),
+    (OSError, {"projection": "absent.vxp"}, "absent.vxp"),
+    (OSError, {"models": b"absent \xff"}, "absent \ufffd"),
+    (OSError, {"out": "/absent/a.vxi"}, "/absent/a.vxi"),
+    (TypeError, {"models": 7}, "int")])
+def test_a_build_that_cannot_be_done_is_one_sentence(models, tmp_path, error, options, words):
+    with pytest.raises(error, match=words):
+        voxid_module.build(**{"models": models, "out": tmp_path / "a.vxi", **options})
+
+
+def test_a_damaged_library_is_told_from_an_absent_one(tmp_path):
+    solids.write_ply(tmp_path / "models/cube/cube_a.ply", solids.box(1.0, 1.0, 1.0))
+    (tmp_path / "models/library.json").write_text("[]")
+    with pytest.raises(voxid_module.DamagedError, match="library.json"):
+        voxid_module.build(tmp_path / "models", tmp_path / "a.vxi")
+
+
+def test_what_is_skipped_is_in_the_report(models, tmp_path):
+    folder = tmp_path / "models"
+    shutil.copytree(models / "tin", folder / "tin")
+    (folder / "tin" / os.fsdecode(b"cut\xff.ply")).write_text("ply\nformat ascii 1.0\n")
+    report = voxid_module.build(folder, tmp_path / "a.vxi", views_every=40)
+    ((name, reason),) = report.skipped
+    assert report.models == 1 and name == "tin/cut\ufffd.ply" and "header does not end" in reason
+
+
+class Enough(Exception):
+    pass
+
+
+def raise_after_one(done, *_):
+    if done > 0:
+        raise Enough()
+
+
+def interrupt_after_one(parts):
+    while not list(parts.glob("*.shard")):
+        time.sleep(0.005)
+    os.kill(os.getpid(), signal.SIGINT)
+
+
+@pytest.mark.parametrize("stopped_by", [Enough, KeyboardInterrupt])
+def test_a_build_is_stopped_and_resumed(models, index, tmp_path, stopped_by):
+    out, parts = tmp_path / "a.vxi", tmp_path / "a.vxi.parts"
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(stopped_by):
+            if stopped_by == KeyboardInterrupt:
+                threading.Thread(target=interrupt_after_one, args=(parts,), daemon=True).start()
+            voxid_module.build(models, out, jobs=1, on_progress=raise_after_one if stopped_by == Enough else None)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    with pytest.raises(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)
+    assert 1 <= len(list(parts.glob("*.shard"))) < 7
+    voxid_module.build(models, out, resume=True)
+    assert out.read_bytes() == index.read_bytes()
+
+
 @pytest.mark.parametrize("call", [
     lambda m, i: m.describe(np.zeros((3, 2))),
     lambda m, i: m.describe(np.zeros((5, 3))),
@@ -207,13 +312,22 @@ def test_messages_of_ros_are_found_whichever_comes_first(tmp_path):
 
 def test_the_stubs_name_what_the_module_has():
     tree = ast.parse((ROOT / "python/voxid/__init__.pyi").read_text())
-    functions = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
-    (index_class,) = (node for node in tree.body if isinstance(node, ast.ClassDef))
-    methods = {node.name: [argument.arg for argument in node.args.args + node.args.kwonlyargs if argument.arg != "self"]
-               for node in index_class.body if isinstance(node, ast.FunctionDef)}
-    assert functions | {"Index"} == set(voxid_module.__all__)
-    public = {name for name in vars(voxid_module.Index) if not name.startswith("_")} | {"__len__"}
-    assert set(methods) == public
-    for name in ("nearest", "describe", "place_of", "open"):
-        documented = getattr(voxid_module.Index, name).__doc__
-        assert all(f"{argument}:" in documented for argument in methods[name]), documented
+    functions = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
+    classes = [node for node in tree.body if isinstance(node, ast.ClassDef)]
+    assert {node.name for node in functions + classes} == set(voxid_module.__all__)
+    for node in functions:
+        takes_what_is_stubbed(voxid_module, node)
+    for node in classes:
+        methods = [method for method in node.body if isinstance(method, ast.FunctionDef)]
+        bound = getattr(voxid_module, node.name)
+        own = {name for name in vars(bound) if not name.startswith("_") or name == "__len__"}
+        assert {method.name for method in methods} == own
+        for method in methods:
+            if not method.decorator_list or method.decorator_list[0].id == "staticmethod":
+                takes_what_is_stubbed(bound, method)
+
+
+def takes_what_is_stubbed(owner, stub):
+    documented = getattr(owner, stub.name).__doc__
+    names = [argument.arg for argument in stub.args.args + stub.args.kwonlyargs]
+    assert all(f"{name}:" in documented for name in names if name != "self"), documented

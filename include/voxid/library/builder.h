@@ -24,6 +24,11 @@ struct BuildOptions {
   MeshReaderLimits mesh_limits;
 };
 
+/// A profile by its name, "default" or "paper". `projection`: a file, for "default"; empty: the shipped one. `pairs`:
+/// lines drawn, for "paper"; 0: as many as usual. BadUse for what does not go together or is out of range; else as
+/// Projection::read.
+Result<Profile> profileOf(const std::string& descriptor, const std::string& projection, std::uint32_t pairs);
+
 struct SkippedModel {
   std::string model;  ///< <category>/<file>
   std::string reason;
@@ -38,7 +43,7 @@ struct BuildReport {
   std::vector<std::string> empty_categories;     ///< folders without a readable model, by name
 };
 
-/// What a build says while it runs, from the calling thread.
+/// What a build says while it runs, from the calling thread. What it throws ends the build as a failure does.
 class BuildListener {
  public:
   virtual ~BuildListener() = default;
@@ -49,9 +54,10 @@ class BuildListener {
 };
 
 /// Renders every model, describes the views, learns the calibration and writes the index. Models are worked on in
-/// processes of their own: one that crashes costs the model that it was at. Call it from a process with one thread.
-/// CannotDo: no such folder, something cannot be written, another build of the same index runs. BadUse: a value out of
-/// range. Damaged: library.json. NothingFound: no model is left. If it fails, `out` is as it was before.
+/// processes of their own: one that crashes costs the model that it was at. They are forked: no other thread may be
+/// within voxid, Assimp or Embree meanwhile. CannotDo: no such folder, something cannot be written, another build of
+/// the same index runs. BadUse: a value out of range. Damaged: library.json. NothingFound: no model is left. If it
+/// fails, `out` is as it was before.
 Result<BuildReport> buildIndex(const BuildOptions& options, BuildListener& listener);
 
 /// Every `parts`-th model, from number `part` on.
