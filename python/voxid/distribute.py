@@ -23,6 +23,7 @@ import time
 
 import voxid
 from voxid.acquire.parser import Parser
+from voxid.acquire.source import counted
 from voxid.failure import BAD_USE, CANNOT_DO, Failure
 
 MODELS_A_TASK = 8  # some seconds of work, so that a worker that dies costs little and a task's own cost is small
@@ -175,7 +176,7 @@ class Progress:
     def _draw(self):
         seconds = time.monotonic() - self._start
         left_s = int(seconds * (self._parts - self._done) / self._done)
-        line = (f"{self._done} of {self._parts} parts, {self._models} models, "
+        line = (f"{self._done} of {self._parts} parts, {counted(self._models, 'model')}, "
                 f"{self._views / seconds:.0f} views/s, {left_s // 60}:{left_s % 60:02} left, "
                 f"{self._skipped} skipped")
         print(f"\r\033[K{line if self._done < self._parts else ''}", end="", file=sys.stderr, flush=True)

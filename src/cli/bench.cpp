@@ -52,7 +52,7 @@ std::string textOf(const Json& row, const char* field, const char* format) {
 }
 
 void printQueryRows(const Json& result) {
-  std::printf("%zu views; CPU time of one thread\n", result["queries"].get<std::size_t>());
+  std::printf("%s; CPU time of one thread\n", counted(result["queries"].get<std::size_t>(), "view").c_str());
   std::printf("%-24s %10s %10s %7s  %-20s %7s %9s %7s %7s %7s\n", "", "median us", "p99 us", "ratio", "of peer", "GB/s",
               "recall@1", "@10", "top-1", "B/view");
   for (const Json& row : result["rows"]) {

@@ -38,9 +38,9 @@ void printEmpty(const BuildReport& report) {
 }
 
 void printDone(const BuildReport& report, const std::string& out) {
-  std::fprintf(stderr, "voxid: %s: %d views of %d models in %d categories, %llu bytes; %zu skipped\n", out.c_str(),
-               report.views, report.models, report.categories, static_cast<unsigned long long>(report.bytes),
-               report.skipped.size());
+  std::fprintf(stderr, "voxid: %s: %s, %llu bytes; %zu skipped\n", out.c_str(),
+               countedModels(report.views, report.models, report.categories).c_str(),
+               static_cast<unsigned long long>(report.bytes), report.skipped.size());
 }
 
 double accuracyToExpect(const format::Confidence& confidence) {

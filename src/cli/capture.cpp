@@ -52,7 +52,7 @@ Status list(const ListOptions& options) {
 }
 
 void printProgress(int frames) {
-  if (isatty(STDERR_FILENO)) std::fprintf(stderr, "\r\033[K%d frames", frames);
+  if (isatty(STDERR_FILENO)) std::fprintf(stderr, "\r\033[K%s", counted(frames, "frame").c_str());
 }
 
 void printDone(const RecordOptions& options, const RecordReport& report) {
@@ -62,7 +62,7 @@ void printDone(const RecordOptions& options, const RecordReport& report) {
         << nlohmann::ordered_json{{"file", options.out}, {"frames", report.frames}, {"seconds", report.seconds}}.dump()
         << "\n";
   else
-    std::printf("%s: %d frames in %.1f s\n", options.out.c_str(), report.frames, report.seconds);
+    std::printf("%s: %s in %.1f s\n", options.out.c_str(), counted(report.frames, "frame").c_str(), report.seconds);
 }
 
 Status recordFile(RecordOptions& options) {

@@ -4,10 +4,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdint>
 #include <functional>
 #include <string>
 
+#include "counted.h"
 #include "voxid/core/status.h"
 
 namespace voxid::cli {
@@ -21,11 +21,6 @@ inline std::string oneLine(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
   return text;
-}
-
-/// "1 view", "2 views".
-inline std::string counted(std::uint64_t number, const std::string& noun) {
-  return std::to_string(number) + " " + noun + (number == 1 ? "" : "s");
 }
 
 /// Each adds its options to `app` and returns what to run once they are parsed.

@@ -17,6 +17,8 @@
 #include <sstream>
 #include <vector>
 
+#include "counted.h"
+
 namespace voxid::cli {
 namespace {
 
@@ -79,9 +81,7 @@ Status checkPng(const std::string& path, const Bytes& bytes) {
 std::string typeName(const cv::Mat& image) {
   static constexpr const char* kDepths[] = {"8-bit",          "8-bit signed", "16-bit",       "16-bit signed",
                                             "32-bit integer", "32-bit float", "64-bit float", "16-bit float"};
-  const int channels = image.channels();
-  return std::string(kDepths[image.depth()]) +
-         (channels == 1 ? ", 1 channel" : ", " + std::to_string(channels) + " channels");
+  return std::string(kDepths[image.depth()]) + ", " + counted(image.channels(), "channel");
 }
 
 cv::Mat decoded(const Bytes& bytes) {
@@ -137,8 +137,7 @@ Result<CameraInfo> parseCameraInfo(const std::string& path) {
   try {
     const YAML::Node root = YAML::LoadFile(path);
     const auto k = root["camera_matrix"]["data"].as<std::vector<double>>();
-    if (k.size() != 9)
-      return Status::cannotDo(path + ": camera_matrix has " + std::to_string(k.size()) + " numbers" + wanted);
+    if (k.size() != 9) return Status::cannotDo(path + ": camera_matrix has " + counted(k.size(), "number") + wanted);
     return CameraInfo{root["image_width"].as<int>(), root["image_height"].as<int>(), {k[0], k[4], k[2], k[5]}};
   } catch (const YAML::Exception&) {
     return Status::cannotDo(path + ": no camera in it" + wanted);

@@ -17,9 +17,10 @@ namespace {
 Status sayWhatItHolds(const std::string& path) {
   const auto index = Index::open(path);
   if (!index.ok()) return index.status;
-  std::fprintf(stderr, "voxid: %s: %u views of %zu models in %zu categories, %llu bytes\n", path.c_str(),
-               index.value->viewCount(), index.value->models().size, index.value->categories().size,
-               static_cast<unsigned long long>(index.value->bytes()));
+  const Index& whole = *index.value;
+  std::fprintf(stderr, "voxid: %s: %s, %llu bytes\n", path.c_str(),
+               countedModels(whole.viewCount(), whole.models().size, whole.categories().size).c_str(),
+               static_cast<unsigned long long>(whole.bytes()));
   return {};
 }
 

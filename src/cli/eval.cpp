@@ -65,10 +65,11 @@ void printLevels(const Json& levels) {
 }
 
 void printTable(const Json& result) {
-  std::printf("%zu queries; accuracies in %%, top-1 with its 95 %% interval over the models",
-              result["queries"].get<std::size_t>());
+  std::printf("%s; accuracies in %%, top-1 with its 95 %% interval over the models",
+              counted(result["queries"].get<std::size_t>(), "query", "queries").c_str());
   if (result.contains("every")) {
-    std::printf("; %zu views, each %d. of the index", result["views"].get<std::size_t>(), result["every"].get<int>());
+    std::printf("; %s, each %d. of the index", counted(result["views"].get<std::size_t>(), "view").c_str(),
+                result["every"].get<int>());
   }
   std::printf("\n%-11s %-6s %6s %17s %9s %6s %10s %11s", "descriptor", "method", "top-1", "", "mean cat.", "top-5",
               "us/query", "bytes/view");

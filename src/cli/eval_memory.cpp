@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "counted.h"
 #include "evaluation.h"
 #include "voxid/core/crc32c.h"
 #include "voxid/core/evidence.h"
@@ -190,11 +191,12 @@ Result<Json> evaluateMemory(const std::shared_ptr<const Index>& index, const Mem
 }
 
 void printMemory(const Json& result) {
-  std::printf("%zu models, each from %d places on a circle; one frame by vote: %.2f %% named rightly\n",
-              result["models"].get<std::size_t>(), result["frames"].get<int>(), result["one_frame_vote"].get<double>());
+  std::printf("%s, each from %d places on a circle; one frame by vote: %.2f %% named rightly\n",
+              counted(result["models"].get<std::size_t>(), "model").c_str(), result["frames"].get<int>(),
+              result["one_frame_vote"].get<double>());
   std::printf("            next to each other   evenly round the circle\n");
   for (const Json& row : result["rows"]) {
-    std::printf("%3d frames  %6.2f %%  %+6.2f   %6.2f %%  %+6.2f\n", row["frames"].get<int>(),
+    std::printf("%9s  %6.2f %%  %+6.2f   %6.2f %%  %+6.2f\n", counted(row["frames"].get<unsigned>(), "frame").c_str(),
                 row["top1"].get<double>(), row["minus_vote"].get<double>(), row["spread_top1"].get<double>(),
                 row["spread_minus_vote"].get<double>());
   }

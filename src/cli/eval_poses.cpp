@@ -10,6 +10,7 @@
 
 #include "../library/model_folder.h"
 #include "../library/random.h"
+#include "counted.h"
 #include "cpu_time.h"
 #include "evaluation.h"
 #include "pcl_pose.h"
@@ -276,15 +277,17 @@ void printPoses(const Json& result) {
   const Json &seen = result["seen"], &unseen = result["unseen"];
   const auto percent = [](const Json& share) { return 100 * share.get<double>(); };
   std::printf(
-      "%d views of members: given the model %.1f %% strict, %.0f ms; from the view alone the model %.1f %%, model "
+      "%s of members: given the model %.1f %% strict, %.0f ms; from the view alone the model %.1f %%, model "
       "and pose %.1f %%, %.0f ms\n",
-      seen["objects"].get<int>(), percent(seen["strict_given_model"]), seen["ms_given_model_median"].get<double>(),
-      percent(seen["model_right"]), percent(seen["strict"]), seen["ms_median"].get<double>());
+      counted(seen["objects"].get<unsigned>(), "view").c_str(), percent(seen["strict_given_model"]),
+      seen["ms_given_model_median"].get<double>(), percent(seen["model_right"]), percent(seen["strict"]),
+      seen["ms_median"].get<double>());
   std::printf("median errors given the model: %.2f degrees, %.2f mm, scale %.2f %%\n",
               seen["rotation_deg_median"].get<double>(), seen["translation_mm_median"].get<double>(),
               seen["scale_percent_median"].get<double>());
-  std::printf("%d views of unseen models: box diagonal within 10 %%: %.1f %%, %.0f ms\n", unseen["objects"].get<int>(),
-              percent(unseen["extents_within_share"]), unseen["ms_median"].get<double>());
+  std::printf("%s of unseen models: box diagonal within 10 %%: %.1f %%, %.0f ms\n",
+              counted(unseen["objects"].get<unsigned>(), "view").c_str(), percent(unseen["extents_within_share"]),
+              unseen["ms_median"].get<double>());
   if (!result.contains("pcl")) return;
   const Json& pcl = result["pcl"];
   std::printf(

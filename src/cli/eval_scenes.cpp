@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "compare_views.h"
+#include "counted.h"
 #include "evaluation.h"
 #include "look_alikes.h"
 #include "nearest_codes.h"
@@ -325,8 +326,8 @@ void printRow(const Json& row) {
   std::printf("  shapes that look alike as one: %s\n", textOf(row["merged"]).c_str());
   if (!row["synsets"].is_null()) std::printf("  as synsets: %s\n", textOf(row["synsets"]).c_str());
   for (const Json& c : row["classes"]) {
-    std::printf("  %-12s %4d objects %8.2f %% %8.2f %% in five   mostly taken for %s\n",
-                c["class"].get<std::string>().c_str(), c["objects"].get<int>(), c["top1"].get<double>(),
+    std::printf("  %-12s %12s %8.2f %% %8.2f %% in five   mostly taken for %s\n", c["class"].get<std::string>().c_str(),
+                counted(c["objects"].get<unsigned>(), "object").c_str(), c["top1"].get<double>(),
                 c["top5"].get<double>(), c["mostly_taken_for"].get<std::string>().c_str());
   }
 }
@@ -334,12 +335,13 @@ void printRow(const Json& row) {
 }  // namespace
 
 void printScenes(const Json& result) {
-  std::printf(
-      "%d scenes, %d objects that stand alone, %d of them found by the segmentation; each %d. view of the index\n",
-      result["scenes"].get<int>(), result["objects"].get<int>(), result["segmented"].get<int>(),
-      result["every"].get<int>());
+  std::printf("%s, %s that stand alone, %d of them found by the segmentation; each %d. view of the index\n",
+              counted(result["scenes"].get<unsigned>(), "scene").c_str(),
+              counted(result["objects"].get<unsigned>(), "object").c_str(), result["segmented"].get<int>(),
+              result["every"].get<int>());
   for (const auto& [category, count] : result["left_out"].items())
-    std::printf("left out: %s, %d objects: no such category in the index\n", category.c_str(), count.get<int>());
+    std::printf("left out: %s, %s: no such category in the index\n", category.c_str(),
+                counted(count.get<unsigned>(), "object").c_str());
   for (const Json& row : result["rows"]) printRow(row);
 }
 

@@ -81,7 +81,8 @@ Json toJson(const Index& index, bool with_categories) {
 
 void printCategories(const Index& index) {
   for (const format::Category& category : index.categories()) {
-    std::printf("  %-28s %6u models\n", std::string(index.string(category.name)).c_str(), category.models);
+    std::printf("  %-28s %s\n", std::string(index.string(category.name)).c_str(),
+                counted(category.models, "model").c_str());
   }
 }
 

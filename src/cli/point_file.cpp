@@ -13,6 +13,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "counted.h"
+
 namespace voxid::cli {
 namespace {
 
@@ -65,8 +67,8 @@ Status checkPcdSize(const std::string& path, const pcl::PCLPointCloud2& header, 
   const std::uintmax_t least = data_type == kAscii ? 2 : data_type == kBinary ? header.point_step : 0;
   if (data_at <= bytes && points <= (bytes - data_at + 1) / std::max<std::uintmax_t>(least, 1)) return {};
   if (data_type != kAscii && data_type != kBinary) return {};
-  return Status::damaged(path + ": is cut; its header speaks of " + std::to_string(points) + " points, more than " +
-                         std::to_string(bytes) + " bytes hold");
+  return Status::damaged(path + ": is cut; its header speaks of " + counted(points, "point") + ", more than fit into " +
+                         counted(bytes, "byte"));
 }
 
 Status checkPcd(const std::string& path) {

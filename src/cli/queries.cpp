@@ -6,6 +6,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "counted.h"
+
 namespace voxid::cli {
 namespace {
 
@@ -58,7 +60,7 @@ Result<std::vector<Query>> readQueries(const std::string& folder, int every) {
     const Fields fields = split(line);
     if (fields.size() <= columns.value.last()) {
       return Status::cannotDo(path.string() + ": line " + std::to_string(number + 2) + " has " +
-                              std::to_string(fields.size()) + " fields; expected file, category and model");
+                              counted(fields.size(), "field") + "; expected file, category and model");
     }
     queries.push_back({(fs::path(folder) / fields[columns.value.file]).string(), fields[columns.value.category],
                        fields[columns.value.model]});

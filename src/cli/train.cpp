@@ -39,8 +39,8 @@ Status run(Options options) {
   }
   if (!report.ok()) return report.status;
   printSkipped(report.value.skipped);
-  std::fprintf(stderr, "voxid: %s: learnt from %d views of %d models in %d categories, %llu bytes; %zu skipped\n",
-               options.train.out.c_str(), report.value.views, report.value.models, report.value.categories,
+  std::fprintf(stderr, "voxid: %s: learnt from %s, %llu bytes; %zu skipped\n", options.train.out.c_str(),
+               countedModels(report.value.views, report.value.models, report.value.categories).c_str(),
                static_cast<unsigned long long>(report.value.bytes), report.value.skipped.size());
   return {};
 }

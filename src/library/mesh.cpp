@@ -79,7 +79,7 @@ Status keepRenderable(Mesh& mesh) {
   mesh.triangles.erase(std::remove_if(mesh.triangles.begin(), mesh.triangles.end(), useless), mesh.triangles.end());
   if (mesh.triangles.empty()) {
     return Status::nothingFound(found == 0 ? "no triangle in it"
-                                           : "none of its " + std::to_string(found) + " triangles has an area");
+                                           : "no triangle of " + std::to_string(found) + " has an area");
   }
   dropUnusedVertices(mesh);
   const double diagonal = boxOf(mesh).diagonal();

@@ -170,9 +170,9 @@ class Trainer {
     report_.models = static_cast<int>(lessons_.models.size());
     report_.views = static_cast<int>(lessons_.views);
     if (categories.size() >= 2 && lessons_.views >= options_.code_bytes) return {};
-    return Status::nothingFound(options_.models + ": " + std::to_string(lessons_.views) + " views of " +
-                                std::to_string(categories.size()) +
-                                " categories; a projection is learnt from two categories and " +
+    return Status::nothingFound(options_.models + " has views: " + std::to_string(lessons_.views) +
+                                ", categories: " + std::to_string(categories.size()) +
+                                "; a projection is learnt from two categories and " +
                                 std::to_string(options_.code_bytes) + " views at least");
   }
 

@@ -141,6 +141,21 @@ def test_a_voxid_without_its_compiled_module_is_one_sentence(folder, tmp_path, c
     assert run.returncode == 1 and line.startswith("voxid: voxid's compiled part cannot be loaded"), line
 
 
+def test_a_build_without_its_reader_says_so_of_each_mesh_that_needs_it(folder, tmp_path):
+    program = pathlib.Path(shutil.copy(PROGRAM, tmp_path / "voxid"))
+    libraries = copy_libraries_of(program, tmp_path / "lib")
+    models = tmp_path / "models"
+    (models / "tin").mkdir(parents=True)
+    shutil.copy(folder / "mug 1.ply", models / "tin")
+    (models / "tin" / "other.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n")
+    run = subprocess.run([program, "build", "--models", models, "--out", tmp_path / "a.vxi", "--views-every", "40"],
+                         capture_output=True, text=True, timeout=60,
+                         env={**os.environ, "LD_LIBRARY_PATH": str(libraries)})
+    skipped, built = run.stderr.splitlines()
+    assert skipped.startswith("voxid: skipped tin/other.obj: cannot start lib/voxid/voxid_read_mesh"), skipped
+    assert run.returncode == 0 and "2 views of 1 model in 1 category" in built, built
+
+
 def test_a_needle_is_drawn(folder, tmp_path):
     """A pixel wide where it is seen."""
     solids.write_ply(folder / "needle.ply", solids.box(1.0, 0.0015, 0.0015))

@@ -41,7 +41,7 @@ def review(tmp_path):
     process = subprocess.Popen([str(word) for word in command], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                                stderr=subprocess.PIPE, text=True)
     line = process.stderr.readline()
-    assert "wait to be kept or dropped at http://127.0.0.1:" in line, line
+    assert " to be kept or dropped at http://127.0.0.1:" in line, line
     yield process, line.split()[-1]
     process.kill()
     process.wait()

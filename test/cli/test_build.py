@@ -207,7 +207,8 @@ def test_a_terminal_sees_a_bar_that_has_left_before_the_report(out, tmp_path):
     assert running.wait(timeout=60) == 0 and running.stdout.read() == b""
     bar, report = said.decode().rsplit("\r\x1b[K", 1)
     assert re.search(r"\[#+\] 2/2 models, \d+ views/s, 0:00 left, 1 skipped$", bar), bar
-    assert re.fullmatch(r"voxid: skipped cube/b.ply: .*\r\nvoxid: .*: 5 views of 1 models .*\r\n", report), report
+    assert re.fullmatch(r"voxid: skipped cube/b.ply: .*\r\n"
+                        r"voxid: .*: 5 views of 1 model in 1 category, .*\r\n", report), report
 
 
 def test_without_a_terminal_only_the_report_is_said(voxid, models, out):

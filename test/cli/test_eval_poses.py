@@ -58,7 +58,7 @@ def test_pcl_is_asked_about_each_nth_of_the_same_views_whatever_the_jobs(voxid, 
 def test_for_people(voxid, index, models, unseen):
     answer = voxid("eval", "--index", index, "--poses", "--models", models, "--unseen", unseen, "--objects", 1)
     assert answer.code == 0, answer.err
-    assert "1 views of members" in answer.out and "box diagonal within 10 %" in answer.out
+    assert "1 view of members" in answer.out and "box diagonal within 10 %" in answer.out
 
 
 def test_what_cannot_be(voxid, index, models, unseen, tmp_path):

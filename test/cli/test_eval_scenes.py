@@ -90,7 +90,7 @@ def test_esf_stands_beside_on_the_same_views(voxid, index, scenes, models):
 def test_the_table_names_what_was_left_out(voxid, index, scenes):
     answer = voxid("eval", "--index", index, "--scenes", scenes, "--aliases", scenes / "aliases.json")
     assert answer.code == 0
-    assert "left out: unicorn, 1 objects" in answer.out and "default, mask own" in answer.out
+    assert "left out: unicorn, 1 object:" in answer.out and "default, mask own" in answer.out
 
 
 def test_bad_use_and_bad_files(voxid, index, scenes, queries, tmp_path):

@@ -153,7 +153,8 @@ def say(options, number, one, more):
 
 def choice(options, program, passed, sheet):
     if options.review:
-        announce = lambda address: gather.say(f"{len(passed)} candidates wait to be kept or dropped at {address}")
+        waiting = source.counted(len(passed), "candidate")
+        announce = lambda address: gather.say(f"{waiting} to be kept or dropped at {address}")
         return review.Review(program, options.word, passed).ask(announce)
     if options.yes:
         return set(range(1, len(passed) + 1))
@@ -231,10 +232,11 @@ def acquire(options, program, synset, queries):
         gatherer = gather.Gatherer(library, category, folder, options.max_mb << 20)
         taken, found = judge_and_keep(options, program, gatherer, library, synset, queries)
     kept = len(library.kept(category))
-    gather.say(f"{library.root}: {taken} models of {found} new candidates kept; "
-               f"{category} ({synset.name()}) has {kept}")
+    gather.say(f"{library.root}: {taken} of {source.counted(found, 'new candidate')} kept; "
+               f"{category} ({synset.name()}) has {source.counted(kept, 'model')}")
     if gatherer.broken and found == 0:
-        raise Failure(f"nothing came of {len(gatherer.broken)} of {len(options.source)} sources; the reasons are above")
+        raise Failure(f"nothing came of {len(gatherer.broken)} of {source.counted(len(options.source), 'source')}; "
+                      "the reasons are above")
     if kept == 0:
         raise Failure(f"no model of {options.word} was kept; --explain shows the words that were searched for",
                       NOTHING_FOUND)

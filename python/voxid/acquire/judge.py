@@ -16,6 +16,7 @@ import numpy as np
 
 import voxid
 from voxid.acquire.look import NOT_LOADED
+from voxid.acquire.source import counted
 from voxid.failure import Failure
 
 SECONDS, MEMORY_BYTES = 90, 6 << 30  # the reader's own child has 60 s and 4 GiB (doc/build.md)
@@ -96,7 +97,7 @@ def depth_of(picture):
 def _wrong_with(seen, depth_mm):
     triangles, extents = seen["triangles"], sorted(seen["extents"])
     if not TRIANGLES[0] <= triangles <= TRIANGLES[1]:
-        return f"{triangles} triangles, expected {TRIANGLES[0]} to {TRIANGLES[1]:,}".replace(",", " ")
+        return f"{counted(triangles, 'triangle')}, expected {TRIANGLES[0]} to {TRIANGLES[1]:,}".replace(",", " ")
     if extents[1] < THINNEST * extents[2]:
         return "a line, not a body"
     return "" if depth_mm.any() else "shows nothing"

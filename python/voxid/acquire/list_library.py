@@ -5,6 +5,7 @@ import json
 
 from voxid.acquire.library import Library
 from voxid.acquire.parser import Parser
+from voxid.acquire.source import counted
 from voxid.failure import CANNOT_DO, Failure
 
 
@@ -27,7 +28,7 @@ def list_licences(library, as_json):
         if as_json:
             print(json.dumps({"licence": licence, "models": models}, ensure_ascii=False))
             continue
-        print(f"{licence or 'licence not stated: ask before you ship'}: {len(models)} models")
+        print(f"{licence or 'licence not stated: ask before you ship'}: {counted(len(models), 'model')}")
         for model in models:
             print("  " + "; ".join(filter(None, (f"{model['model']}: \"{model['title']}\"",
                                                  model["author"] and f"by {model['author']}",

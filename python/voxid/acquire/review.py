@@ -15,6 +15,7 @@ import cv2
 import numpy as np
 
 from voxid.acquire import judge
+from voxid.acquire.source import counted
 
 TURNS, SIZE_PX = 12, 160
 MOST_FORM_BYTES = 1 << 20
@@ -49,7 +50,8 @@ def page(word, passed, secret):
         cards.append(f'<label><input type="checkbox" name="keep" value="{number}" checked><span></span>'
                      f'<div class="turning" style="background-image: url(/{secret}/{number}.png)"></div>'
                      f'<div class="about">{"<br>".join(html.escape(line) for line in about if line)}</div></label>')
-    return document(f'<h1>{html.escape(word)}: {len(passed)} candidates</h1><form method="post" action="/{secret}/">'
+    title = f"{html.escape(word)}: {counted(len(passed), 'candidate')}"
+    return document(f'<h1>{title}</h1><form method="post" action="/{secret}/">'
                     f'<p>Green is kept, red is dropped; a click changes it. The strangest are last.</p>{"".join(cards)}'
                     f'<p class="last"><button>Keep the green ones</button></p></form>')
 

@@ -31,6 +31,11 @@ def one_line(text):
     return " ".join(re.sub(r"[\x00-\x1f\x7f-\x9f]", " ", text).split())
 
 
+def counted(number, noun):
+    """"1 model", "2 models"."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
 def printable(candidate):
     """The candidate with texts that fit a report: its source, and whoever names files there, may write anything."""
     fields = ("source", "title", "licence", "author", "url")
