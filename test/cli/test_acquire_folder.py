@@ -133,6 +133,15 @@ def test_archives_are_unpacked_and_hostile_ones_cost_one_line(acquire, folder, t
     assert sorted(path.name for path in tmp_path.iterdir()) == ["in", "lib"]
 
 
+@pytest.mark.parametrize("below", ["", "mug"])
+def test_what_lies_in_a_folder_of_the_words_name_is_called_so(voxid, tmp_path, below):
+    solids.write_ply(tmp_path / "in" / "mug" / "blue.ply", TIN)
+    solids.write_ply(tmp_path / "in" / "tin" / "red.ply", CONE)
+    answer = voxid("acquire", "mug", "--sense", 4, "--depth", 0, "--source", tmp_path / "in" / below, "--out",
+                   tmp_path / "lib", "--yes", "--json")
+    assert answer.json["title"] == "blue"
+
+
 def test_names_that_differ_little_are_different_models(acquire, folder):
     """In what a file's name in the library leaves out, and beyond where it is cut off."""
     solids.write_ply(folder / "mug-1.ply", TIN)

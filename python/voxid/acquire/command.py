@@ -10,7 +10,7 @@ import cv2
 from voxid.acquire import gather, judge, meaning, mirrors, review, sketchfab, source, sweethome3d, words
 from voxid.acquire.library import Library, write_whole
 from voxid.acquire.parser import Parser
-from voxid.failure import BAD_USE, NOTHING_FOUND, Failure
+from voxid.failure import BAD_USE, CANNOT_DO, NOTHING_FOUND, Failure
 
 
 def options_of(arguments):
@@ -231,15 +231,14 @@ def acquire(options, program, synset, queries):
         clash(library, category, synset)
         gatherer = gather.Gatherer(library, category, folder, options.max_mb << 20)
         taken, found = judge_and_keep(options, program, gatherer, library, synset, queries)
-    kept = len(library.kept(category))
-    gather.say(f"{library.root}: {taken} of {source.counted(found, 'new candidate')} kept; "
-               f"{category} ({synset.name()}) has {source.counted(kept, 'model')}")
     if gatherer.broken and found == 0:
-        raise Failure(f"nothing came of {len(gatherer.broken)} of {source.counted(len(options.source), 'source')}; "
-                      "the reasons are above")
+        return CANNOT_DO  # each source has said why
+    kept, candidates = len(library.kept(category)), source.counted(found, "new candidate")
     if kept == 0:
-        raise Failure(f"no model of {options.word} was kept; --explain shows the words that were searched for",
-                      NOTHING_FOUND)
+        raise Failure(f"no model of {options.word} was kept, of {candidates}; --explain shows the words that were "
+                      "searched for", NOTHING_FOUND)
+    gather.say(f"{library.root}: {taken} of {candidates} kept; "
+               f"{category} ({synset.name()}) has {source.counted(kept, 'model')}")
     return 0
 
 

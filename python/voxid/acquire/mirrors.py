@@ -99,8 +99,8 @@ def id_of(stem, taken):
 
 
 class Folder(OnDisk):
-    """Any folder: a mesh, or a zip archive with one, is called by its own name, or by that of a folder that it lies in
-    (ModelNet, 3DNet)."""
+    """Any folder: a mesh, or a zip archive with one, is called by its own name, or by that of a folder that it lies in,
+    the given one included (ModelNet, 3DNet)."""
 
     name = "folder"
 
@@ -108,7 +108,7 @@ class Folder(OnDisk):
         taken = {}
         for path in files_under(self._root, {*PREFERRED, "zip"}):
             inner = path.relative_to(self._root)
-            titles = [path.stem, *reversed(inner.parent.parts)]
+            titles = [path.stem, *reversed(inner.parent.parts), os.path.basename(os.path.abspath(self._root))]
             query = next(filter(None, (source.query_for(title, queries) for title in titles)), None)
             if query is not None:
                 yield self.candidate(path, id_of(str(inner.with_suffix("")), taken), path.stem, query)
