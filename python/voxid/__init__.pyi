@@ -10,7 +10,8 @@ import numpy.typing as npt
 
 Camera = Tuple[float, float, float, float]
 """fx, fy, cx, cy in pixels; the centre of the first pixel is 0, 0."""
-Mesh = Union[str, Tuple[npt.ArrayLike, npt.ArrayLike]]
+Path = Union[str, bytes, os.PathLike]
+Mesh = Union[Path, Tuple[npt.ArrayLike, npt.ArrayLike]]
 """A file of a format that `voxid build` reads, or vertices (n, 3) and triangles (m, 3)."""
 
 @overload
@@ -29,14 +30,12 @@ def describe_views(mesh: Mesh, every: int = 1) -> npt.NDArray[np.int8]:
     """Descriptor `default` of every `every`-th of the model's 80 views, made as those of an index are, a row a view;
     one that shows nothing is left out."""
 
-def read_mesh(path: str) -> Tuple[npt.NDArray[np.float32], npt.NDArray[np.uint32]]:
+def read_mesh(path: Path) -> Tuple[npt.NDArray[np.float32], npt.NDArray[np.uint32]]:
     """Vertices (n, 3) and triangles (m, 3): those that have an area, and the vertices that these use."""
 def render(mesh: Mesh, view: int = 0, *, clean: bool = False, seed: int = 1) -> Tuple[npt.NDArray[np.uint16], Camera]:
     """A depth image in millimetres (480 x 640) of a mesh from one of the 80 directions, and its camera. Size, distance,
     roll and noise follow from `seed`, as in `voxid render --seed`; `clean`: without noise. A file is read in a child
     process."""
-
-Path = Union[str, bytes, os.PathLike]
 
 class DamagedError(OSError):
     """A file that is empty, cut, or not what it says it is."""
@@ -72,7 +71,7 @@ class Index:
     """A .vxi file, mapped; its searches may be asked by several threads at once."""
 
     @staticmethod
-    def open(path: str) -> "Index": ...
+    def open(path: Path) -> "Index": ...
     def describe(self, depth: Union[npt.NDArray[np.uint16], npt.NDArray[np.float32]],
                  mask: Optional[npt.NDArray[np.bool_]],
                  camera: Camera) -> npt.NDArray:

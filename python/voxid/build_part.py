@@ -12,7 +12,7 @@ def receipt(arguments):
     from voxid.failure import BAD_USE, CANNOT_DO, DAMAGED
     try:
         report = voxid.build(**arguments, jobs=1)
-    except ImportError as error:  # of what is compiled, DamagedError too
+    except ImportError as error:  # first, for DamagedError cannot be named then
         return {"failure": str(error), "code": CANNOT_DO}
     except voxid.DamagedError as error:
         return {"failure": str(error), "code": DAMAGED}

@@ -213,7 +213,7 @@ def check(places, models):
     if not os.path.isdir(models):
         raise Failure(f"{models}: No such file or directory", CANNOT_DO)
     try:
-        voxid.build
+        voxid.build  # loaded here, so that it fails before there is a cluster
     except ImportError as error:
         raise Failure(error, CANNOT_DO) from None
 

@@ -10,19 +10,12 @@
 #include <utility>
 #include <vector>
 
-#include "errors.h"
+#include "paths_and_errors.h"
 #include "voxid/library/builder.h"
 #include "voxid/library/index_editor.h"
 
 namespace voxid {
 namespace {
-
-/// As Python's own functions take a path: text, bytes, or os.PathLike.
-std::string pathOf(const py::object& path) {
-  PyObject* bytes = nullptr;
-  if (PyUnicode_FSConverter(path.ptr(), &bytes) == 0) throw py::error_already_set();
-  return py::reinterpret_steal<py::bytes>(bytes);
-}
 
 /// Calls `on_progress`, and lets Ctrl-C through.
 class ProgressCall : public BuildListener {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "build.h"
-#include "errors.h"
+#include "paths_and_errors.h"
 #include "voxid/core/descriptor.h"
 #include "voxid/core/encoder.h"
 #include "voxid/core/index.h"
@@ -163,8 +163,8 @@ class PyIndex {
  public:
   explicit PyIndex(std::shared_ptr<const Index> index) : index_(std::move(index)) {}
 
-  static std::shared_ptr<PyIndex> open(const std::string& path) {
-    return std::make_shared<PyIndex>(valueOf(Index::open(path)));
+  static std::shared_ptr<PyIndex> open(const py::object& path) {
+    return std::make_shared<PyIndex>(valueOf(Index::open(pathOf(path))));
   }
   const Index& index() const { return *index_; }
 
@@ -320,8 +320,8 @@ Mesh readWithoutLock(const std::string& path) {
   return valueOf(std::move(mesh));
 }
 
-py::tuple arraysOfFile(const std::string& path) {
-  const Mesh mesh = readWithoutLock(path);
+py::tuple arraysOfFile(const py::object& path) {
+  const Mesh mesh = readWithoutLock(pathOf(path));
   py::array_t<float> vertices({static_cast<py::ssize_t>(mesh.vertices.size()), py::ssize_t{3}});
   py::array_t<std::uint32_t> triangles({static_cast<py::ssize_t>(mesh.triangles.size()), py::ssize_t{3}});
   static_assert(sizeof(Mesh::Vertex) == 12 && sizeof(Mesh::Triangle) == 12, "rows of three");
@@ -332,7 +332,9 @@ py::tuple arraysOfFile(const std::string& path) {
 
 /// A file's name, or (vertices, triangles).
 Mesh meshOf(const py::object& mesh) {
-  if (py::isinstance<py::str>(mesh)) return readWithoutLock(mesh.cast<std::string>());
+  const bool named =
+      py::isinstance<py::str>(mesh) || py::isinstance<py::bytes>(mesh) || py::hasattr(mesh, "__fspath__");
+  if (named) return readWithoutLock(pathOf(mesh));
   const bool two = py::isinstance<py::sequence>(mesh) && py::len(mesh) == 2;
   if (!two) throw py::type_error("mesh: expected a file's name, or (vertices, triangles)");
   const auto parts = py::reinterpret_borrow<py::sequence>(mesh);

@@ -63,18 +63,18 @@ def test_a_mesh_is_drawn_as_the_command_line_draws_it(voxid, models, image):
 def test_a_whole_model_is_described_as_the_command_line_does(voxid, models):
     file = models / "tin/tin_a.ply"
     expected = voxid("describe", file, "--json").json
-    vertices, triangles = mesh = voxid_module.read_mesh(str(file))
+    vertices, triangles = mesh = voxid_module.read_mesh(file)
     assert (vertices.dtype, triangles.dtype) == (np.float32, np.uint32)
     assert len(triangles) == expected["triangles"]
     assert np.allclose(np.ptp(vertices, axis=0), expected["extents"], atol=1e-6)
-    for form in (str(file), mesh):
+    for form in (str(file), bytes(file), file, mesh):
         assert voxid_module.describe(form).tolist() == expected["bins"]
     assert voxid_module.describe(mesh, pairs=5000).tolist() != expected["bins"]
 
 
 def test_views_of_a_model_are_near_those_of_its_index(index, models):
     """They differ in size, roll and noise, which follow from a model's name."""
-    opened = voxid_module.Index.open(str(index))
+    opened = voxid_module.Index.open(index)
     file = str(models / "board/board_a.ply")
     views = voxid_module.describe_views(file, 8)
     assert (views.dtype, views.shape) == (np.int8, (10, 64))

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How the module's functions fail.
+// How the module's functions take files' names, and how they fail.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -16,6 +16,13 @@ namespace py = pybind11;
 
 inline void require(bool condition, const std::string& sentence) {
   if (!condition) throw py::value_error(sentence);
+}
+
+/// As Python's own functions take a path: text, bytes, or os.PathLike.
+inline std::string pathOf(const py::object& path) {
+  PyObject* bytes = nullptr;
+  if (PyUnicode_FSConverter(path.ptr(), &bytes) == 0) throw py::error_already_set();
+  return py::reinterpret_steal<py::bytes>(bytes);
 }
 
 /// Names of files need not be UTF-8.
