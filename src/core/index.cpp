@@ -186,16 +186,15 @@ class Locator {
 
 }  // namespace
 
-Status Index::locate() {
+// The descriptor's parameters and, of profile default, its projection.
+Status Index::locateEncoding() {
   Locator find(file_, sections_);
-  const format::Header& h = *header_;
   parameters_ = find.exactly<format::Parameters>("PARM", 1).data;
   if (!find.complaint().empty()) return damaged(path_, find.complaint());
-  if (crc32c(parameters_, sizeof *parameters_) != h.descriptor_crc32c) {
+  if (crc32c(parameters_, sizeof *parameters_) != header_->descriptor_crc32c) {
     return damaged(path_, "the descriptor's parameters do not fit their checksum");
   }
-  const bool is_default = profileName(*parameters_) == kDefaultProfile;
-  if (is_default) {
+  if (profileName(*parameters_) == kDefaultProfile) {
     const Span<const std::uint8_t> section = find.any<std::uint8_t>("PROJ");
     if (!find.complaint().empty()) return damaged(path_, find.complaint());
     willRead(section);
@@ -203,16 +202,21 @@ Status Index::locate() {
     if (!projection.ok()) return projection.status;
     projection_ = std::move(projection.value);
   }
-  if (Status status = checkParameters(); !status.ok()) return status;
+  return checkParameters();
+}
+
+Status Index::locateTables() {
+  Locator find(file_, sections_);
+  const format::Header& h = *header_;
   categories_ = find.exactly<format::Category>("CATS", h.categories);
   models_ = find.exactly<format::Model>("MODL", h.models);
-  if (is_default)
+  if (projection_)
     short_views_ = find.exactly<format::ShortView>("VIE4", h.views);
   else
     views_ = find.exactly<format::View>("VIEW", h.views);
   directions_ = find.any<format::Direction>("DIRS");
   codes_ = find.exactly<std::uint8_t>("CODE", std::uint64_t{h.views} * parameters_->code_bytes).data;
-  if (is_default) means_ = find.exactly<std::int8_t>("MEAN", std::uint64_t{h.categories} * parameters_->code_bytes);
+  if (projection_) means_ = find.exactly<std::int8_t>("MEAN", std::uint64_t{h.categories} * parameters_->code_bytes);
   keys_ = find.exactly<Key>("KEYS", h.buckets);
   bucket_offsets_ = find.exactly<std::uint32_t>("BKTO", std::uint64_t{h.buckets} + 1);
   bucket_views_ = find.exactly<std::uint32_t>("BKTV", h.views);
@@ -241,7 +245,8 @@ Result<std::shared_ptr<const Index>> Index::open(const std::string& path) {
   const auto* const table = reinterpret_cast<const format::Section*>(index->file_ + sizeof(format::Header));
   index->sections_ = {table, index->header_->sections};
   if (Status status = index->checkSections(); !status.ok()) return status;
-  if (Status status = index->locate(); !status.ok()) return status;
+  if (Status status = index->locateEncoding(); !status.ok()) return status;
+  if (Status status = index->locateTables(); !status.ok()) return status;
   index->expect(MADV_NORMAL);
   return std::shared_ptr<const Index>(index);
 }

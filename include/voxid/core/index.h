@@ -102,7 +102,8 @@ class Index {
   Status checkHeader() const;
   Status checkSections() const;
   Status checkParameters() const;
-  Status locate();
+  Status locateEncoding();
+  Status locateTables();
   void expect(int advice) const;
   void willRead(Span<const std::uint8_t> bytes) const;
 
