@@ -22,15 +22,16 @@ class ListSearch : public Search {
         least_lists_(static_cast<std::size_t>(std::max(lists, 1))),
         rows_(new std::uint32_t[index_->viewCount()]),
         distances_(new std::uint32_t[index_->viewCount()]),
+        scope_(*index_),
         near_(new Rank[index_->viewCount()]),
         answer_(*index_) {
     centroid_distances_.resize(index_->projection()->lists());
     buckets_.reserve(index_->keys().size);
   }
 
-  const Nearest& find(const std::uint8_t* code, std::uint32_t left_out_model) override {
+  const Nearest& find(const std::uint8_t* code, const SearchScope& scope) override {
     order(code);
-    left_out_ = LeftOut(*index_, left_out_model);
+    scope_ = Scope(*index_, scope);
     count_ = 0;
     counts_.clear();
     std::size_t probed = 0, until = least_lists_;
@@ -70,14 +71,14 @@ class ListSearch : public Search {
     sorted_ = count;
   }
 
-  // A bucket's views, less those left out. Views that are not there, or more than all (possible only in a damaged
+  // A bucket's views that are in scope. Views that are not there, or more than all (possible only in a damaged
   // file), are passed over.
   void take(std::uint32_t bucket) {
     const auto views = static_cast<std::uint32_t>(index_->viewCount());
     for (const std::uint32_t view : index_->bucket(bucket)) {
       if (count_ == views) return;
       rows_[count_] = view;
-      count_ += view < views && !left_out_.has(view);
+      count_ += view < views && scope_.has(view);
     }
   }
 
@@ -110,10 +111,10 @@ class ListSearch : public Search {
   std::vector<std::uint32_t> centroid_distances_;
   std::vector<Rank> buckets_;  // numbers of buckets, with their centroids' distances
   std::size_t sorted_ = 0;
-  LeftOut left_out_;
   // Room for all views, in case it takes all of them; not written to beforehand, so that what is not used is not there.
   std::unique_ptr<std::uint32_t[]> rows_, distances_;  // of the views compared
   std::size_t count_ = 0;
+  Scope scope_;
   DistanceCounts<10, kMostDistance> counts_;
   std::unique_ptr<Rank[]> near_;  // the views that may be among the nearest
   std::size_t near_count_ = 0;

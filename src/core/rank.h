@@ -42,20 +42,33 @@ class DistanceCounts {
   std::array<std::uint32_t, (kMostDistance >> kStepBits) + 1> counts_;
 };
 
-/// The views of one model, or none.
-class LeftOut {
+/// Which views of one index are in scope.
+class Scope {
  public:
-  LeftOut() = default;
-  LeftOut(const Index& index, std::uint32_t model) {
-    if (model >= index.models().size) return;
-    first_ = index.models()[model].first_view;
-    views_ = index.models()[model].views;
+  explicit Scope(const Index& index, const SearchScope& scope = {}) : index_(&index), categories_(scope.categories) {
+    if (scope.left_out_model >= index.models().size) return;
+    left_out_ = index.models()[scope.left_out_model];
   }
-  std::uint32_t views() const { return views_; }
-  bool has(std::uint32_t view) const { return view - first_ < views_; }
+
+  /// `view` is below the index's viewCount().
+  bool has(std::uint32_t view) const {
+    return view - left_out_.first_view >= left_out_.views && (categories_.empty() || inCategories(view));
+  }
+  bool has(const format::Model& model) const {
+    const bool left_out = left_out_.views > 0 && model.first_view == left_out_.first_view;
+    return !left_out &&
+           (categories_.empty() || (model.category < categories_.size && categories_[model.category] != 0));
+  }
 
  private:
-  std::uint32_t first_ = 0, views_ = 0;
+  bool inCategories(std::uint32_t view) const {
+    const std::uint32_t model = index_->modelOf(view);
+    return model < index_->models().size && has(index_->models()[model]);
+  }
+
+  const Index* index_;
+  Span<const std::uint8_t> categories_;
+  format::Model left_out_{};  // has no views if none is
 };
 
 /// Makes an answer of ranks in any order. All memory is taken at construction.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "code_distance.h"
+#include "rank.h"
 #include "voxid/core/refine.h"
 #include "voxid/core/sketch.h"
 
@@ -85,10 +86,11 @@ class ExactSearch : public Search {
   explicit ExactSearch(std::shared_ptr<const Index> index)
       : index_(std::move(index)), found_(index_->categories().size) {}
 
-  const Nearest& find(const std::uint8_t* code, std::uint32_t left_out_model) override {
+  const Nearest& find(const std::uint8_t* code, const SearchScope& scope) override {
+    const Scope in_scope(*index_, scope);
     found_.clear();
-    for (std::uint32_t model = 0; model < index_->models().size; ++model) {
-      if (model != left_out_model) scan(index_->models()[model], code);
+    for (const format::Model& model : index_->models()) {
+      if (in_scope.has(model)) scan(model, code);
     }
     return found_.result();
   }
@@ -127,13 +129,14 @@ class LshSearch : public Search {
         bits_away_(index_->keys().size),
         found_(index_->categories().size) {}
 
-  const Nearest& find(const std::uint8_t* code, std::uint32_t left_out_model) override {
+  const Nearest& find(const std::uint8_t* code, const SearchScope& scope) override {
+    const Scope in_scope(*index_, scope);
     measure(keyOf(code));
     found_.clear();
     int radius = radius_bits_;
-    scanShell(0, radius, code, left_out_model);
+    scanShell(0, radius, code, in_scope);
     while (found_.metCategories() < kEnoughCategories && radius < kKeyBits) {
-      scanShell(radius + 1, radius + kBallStepBits, code, left_out_model);
+      scanShell(radius + 1, radius + kBallStepBits, code, in_scope);
       radius += kBallStepBits;
     }
     return found_.result();
@@ -147,18 +150,18 @@ class LshSearch : public Search {
   }
 
   // The buckets whose keys are `first` to `last` bits away.
-  void scanShell(int first, int last, const std::uint8_t* code, std::uint32_t left_out_model) {
+  void scanShell(int first, int last, const std::uint8_t* code, const Scope& scope) {
     for (std::uint32_t i = 0; i < bits_away_.size(); ++i) {
       if (bits_away_[i] < first || bits_away_[i] > last) continue;
-      for (const std::uint32_t view : index_->bucket(i)) consider(view, code, left_out_model);
+      for (const std::uint32_t view : index_->bucket(i)) consider(view, code, scope);
     }
   }
 
   // A view that leads nowhere (possible only in a damaged file) is passed over.
-  void consider(std::uint32_t view, const std::uint8_t* code, std::uint32_t left_out_model) {
-    if (view >= index_->viewCount()) return;
+  void consider(std::uint32_t view, const std::uint8_t* code, const Scope& scope) {
+    if (view >= index_->viewCount() || !scope.has(view)) return;
     const std::uint32_t model = index_->modelOf(view);
-    if (model == left_out_model || model >= index_->models().size) return;
+    if (model >= index_->models().size) return;
     const std::uint32_t category = index_->models()[model].category;
     if (category < index_->categories().size) found_.add({view, l1(code, index_->code(view))}, category);
   }
@@ -179,9 +182,9 @@ class RefinedSearch : public Search {
         others_(index_->parameters().code_bytes),
         mean_of_others_(index_->parameters().code_bytes) {}
 
-  const Nearest& find(const std::uint8_t* code, std::uint32_t left_out_model) override {
-    const Nearest& found = search_->find(code, left_out_model);
-    leaveOut(left_out_model);
+  const Nearest& find(const std::uint8_t* code, const SearchScope& scope) override {
+    const Nearest& found = search_->find(code, scope);
+    leaveOut(scope.left_out_model);
     return refiner_.refine(code, found, [this](std::uint32_t view) { return moved(view); });
   }
 

@@ -18,13 +18,14 @@ class SketchSearch : public Search {
       : index_(std::move(index)),
         sketches_(sketchesOf(*index_)),
         views_(static_cast<std::uint32_t>(sketches_.size / kSketchBytes)),
+        scope_(*index_),
         bounds_(new std::uint16_t[views_]),
         rows_(new std::uint32_t[views_]),
         compared_(new Rank[views_]),
         answer_(*index_) {}
 
-  const Nearest& find(const std::uint8_t* code, std::uint32_t left_out_model) override {
-    left_out_ = LeftOut(*index_, left_out_model);
+  const Nearest& find(const std::uint8_t* code, const SearchScope& scope) override {
+    scope_ = Scope(*index_, scope);
     bound(code);
     for (std::size_t pool = kCategoryPool;; pool *= 2) {
       Rank* const first = compared_.get();
@@ -38,22 +39,30 @@ class SketchSearch : public Search {
   void bound(const std::uint8_t* code) {
     constexpr std::uint32_t kBlock = 4096;
     const SketchQuery query = sketchQueryOf(code);
-    counts_.clear();
     for (std::uint32_t view = 0; view < views_; view += kBlock) {
       const std::uint32_t count = std::min(kBlock, views_ - view);
       lowerBounds(query, sketches_.data + std::size_t{view} * kSketchBytes, count, &bounds_[view]);
-      counts_.add(Span<const std::uint16_t>{&bounds_[view], count});
     }
+    putLastWhatIsOutside();
+    counts_.clear();
+    counts_.add(Span<const std::uint16_t>{bounds_.get(), views_});
     count_ = 0;
     taken_ = 0;
     all_taken_ = false;
+  }
+
+  void putLastWhatIsOutside() {
+    for (const format::Model& model : index_->models()) {
+      const std::uint64_t end = std::uint64_t{model.first_view} + model.views;
+      if (!scope_.has(model) && end <= views_) std::fill(&bounds_[model.first_view], &bounds_[0] + end, UINT16_MAX);
+    }
   }
 
   // A distance up to which every view was compared, and `pool` views lie (or all). First the views with the lowest
   // bounds are compared: the pool-th nearest of them is no nearer than that of all views. So no view whose bound is
   // above that distance is among the `pool` nearest.
   std::uint32_t settle(std::size_t pool, const std::uint8_t* code) {
-    takeUpTo(counts_.limitFor(pool + left_out_.views()), code);
+    takeUpTo(counts_.limitFor(pool), code);
     if (count_ < pool) {
       takeUpTo(UINT16_MAX, code);
       return UINT32_MAX;
@@ -88,7 +97,7 @@ class SketchSearch : public Search {
       }
       const std::uint32_t view = rows_[i];
       compared_[count_] = rankOf(view, l1(code, index_->code(view)));
-      count_ += !left_out_.has(view) && answer_.categoryOf(view) != kNone;
+      count_ += scope_.has(view) && answer_.categoryOf(view) != kNone;
     }
   }
 
@@ -101,7 +110,7 @@ class SketchSearch : public Search {
   std::shared_ptr<const Index> index_;
   Span<const std::uint8_t> sketches_;
   std::uint32_t views_;
-  LeftOut left_out_;
+  Scope scope_;
   // Not written to beforehand, so that what is not used is not there.
   std::unique_ptr<std::uint16_t[]> bounds_;
   DistanceCounts<6, UINT16_MAX> counts_;

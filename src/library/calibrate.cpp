@@ -80,7 +80,7 @@ format::Calibration calibrate(std::shared_ptr<const Index> index, const std::vec
   std::vector<int> right(format::Calibration::kBins), asked(format::Calibration::kBins);
   const auto search = makeSearch(index, {});
   for (const CalibrationQuery* const query : chosen) {
-    const Nearest& found = search->find(query->code.data(), query->model);
+    const Nearest& found = search->find(query->code.data(), {{}, query->model});
     if (found.categories.size < 2) continue;
     const int bin = binOf(found.categories[0].distance, found.categories[1].distance);
     const auto categoryOf = [&](std::uint32_t view) { return index->models()[index->modelOf(view)].category; };

@@ -80,7 +80,7 @@ struct Sample {
 };
 
 Sample sampleOf(const Index& index, const AskedView& asked, Search& search) {
-  const Nearest& found = search.find(codeAsSeen(index, asked).data(), asked.model);
+  const Nearest& found = search.find(codeAsSeen(index, asked).data(), {{}, asked.model});
   const std::uint32_t category = classify(index, found, ClassifyMethod::Vote, 0).alternatives[0].category;
   const ConfidenceFeatures features = confidenceFeatures(index, found, category, asked.model);
   Sample sample;

@@ -62,7 +62,7 @@ TEST(Allocation, TheDefaultProfileTakesNone) {
   EXPECT_EQ(allocationsIn([&] {
               EXPECT_EQ(encoder->encode(view, {pixels.data(), pixels.size()}, code.data()), DescribeStatus::Ok);
               for (Search* const search : {exact.get(), lists.get()}) {
-                (void)classify(*index, search->find(code.data(), 1), ClassifyMethod::Vote, 0);
+                (void)classify(*index, search->find(code.data(), {{}, 1}), ClassifyMethod::Vote, 0);
               }
             }),
             0);
@@ -76,7 +76,7 @@ TEST(Allocation, FindAndClassifyTakeNone) {
   for (Search* const search : {exact.get(), lsh.get(), sketch.get()}) {
     EXPECT_EQ(allocationsIn([&] {
                 for (std::uint32_t view = 0; view < 20; ++view) {
-                  const Nearest& nearest = search->find(index->code(view), view % 3);
+                  const Nearest& nearest = search->find(index->code(view), {{}, view % 3});
                   (void)classify(*index, nearest, ClassifyMethod::Vote, 0);
                   (void)classify(*index, nearest, ClassifyMethod::OneNn, 0);
                 }

@@ -163,9 +163,13 @@ TEST_F(DefaultIndex, AllListsEqualBruteForceAmongTheNearest) {
   for (int i = 0; i < 50; ++i) {
     const Code code = randomDefaultCode(random_);
     const std::uint32_t left_out = i % 2 == 0 ? Search::kNone : static_cast<std::uint32_t>(random_.below(80));
-    const Neighbours all =
-        sortedViews(*index, code, [&](std::uint32_t view) { return index->modelOf(view) != left_out; });
-    const Nearest& found = search->find(code.data(), left_out);
+    std::vector<std::uint8_t> categories(i % 3 == 0 ? 40 : 0, 1);
+    if (!categories.empty()) std::fill_n(categories.begin(), 25, 0);
+    const Neighbours all = sortedViews(*index, code, [&](std::uint32_t view) {
+      const std::uint32_t model = index->modelOf(view);
+      return model != left_out && (categories.empty() || index->models()[model].category >= 25);
+    });
+    const Nearest& found = search->find(code.data(), {{categories.data(), categories.size()}, left_out});
     EXPECT_EQ(pairsOf(found.views), head(all, kNearestViews));
     EXPECT_EQ(pairsOf(found.categories), firstOfCategories(*index, head(all, kCategoryPool)));
     EXPECT_EQ(found.scanned, all.size());
@@ -295,7 +299,7 @@ TEST_F(DefaultIndex, WhatIsFoundIsMeasuredTowardsTheMeans) {
   for (int i = 0; i < 20; ++i) {
     const Code code = randomDefaultCode(random_);
     const std::uint32_t left_out = i % 2 == 0 ? Search::kNone : static_cast<std::uint32_t>(random_.below(24));
-    const Nearest& found = search->find(code.data(), left_out);
+    const Nearest& found = search->find(code.data(), {{}, left_out});
     ASSERT_EQ(found.views.size, std::size_t{kNearestViews});
     ASSERT_EQ(found.categories.size, 8u);
     for (const Neighbour& n : found.views) {
@@ -314,7 +318,7 @@ TEST_F(DefaultIndex, WhatIsFoundIsMeasuredTowardsTheMeans) {
 TEST_F(DefaultIndex, TheOnlyModelOfACategoryLeavesItWithoutAMean) {
   const auto index = make(6, 1, 4);
   const Code code = randomDefaultCode(random_);
-  EXPECT_EQ(makeSearch(index, {})->find(code.data(), 2).categories.size, 5u);
+  EXPECT_EQ(makeSearch(index, {})->find(code.data(), {{}, 2}).categories.size, 5u);
 }
 
 // ---- damage ----------------------------------------------------------------------------------------------------
@@ -325,7 +329,7 @@ void useIt(const std::shared_ptr<const Index>& index) {
   lists.exact = false;
   for (const auto& search : {makeExactSearch(index), makeListSearch(index, 2), makeListSearch(index, 100),
                              makeSearch(index, {}), makeSearch(index, lists)}) {
-    const Nearest& nearest = search->find(code.data(), 1);
+    const Nearest& nearest = search->find(code.data(), {{}, 1});
     const Answer answer = classify(*index, nearest, ClassifyMethod::Vote, 0);
     for (int i = 0; i < answer.count; ++i) {
       EXPECT_LT(answer.alternatives[static_cast<std::size_t>(i)].category, index->categories().size);

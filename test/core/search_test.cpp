@@ -104,9 +104,27 @@ TEST_F(SearchTest, LeftOutModelDoesNotCount) {
     const Expected expected =
         bruteForce(*index, code, [&](std::uint32_t view) { return modelOf(*index, view) != model; });
     EXPECT_EQ(expected.categories.size(), 5u);
-    expectEqual(exact->find(code.data(), model), expected);
-    expectEqual(lsh->find(code.data(), model), expected);
+    expectEqual(exact->find(code.data(), {{}, model}), expected);
+    expectEqual(lsh->find(code.data(), {{}, model}), expected);
   }
+}
+
+TEST_F(SearchTest, OnlyCategoriesInScopeCount) {
+  const auto index = make(12, 2, 7);
+  const std::vector<std::uint8_t> even{1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0}, none(12, 0);
+  const auto exact = makeExactSearch(index), lsh = makeLshSearch(index, kKeyBits);
+  for (const std::uint32_t left_out : {Search::kNone, 4u, 3u}) {
+    const Code code = query();
+    const Expected expected = bruteForce(*index, code, [&](std::uint32_t view) {
+      const std::uint32_t model = modelOf(*index, view);
+      return model != left_out && index->models()[model].category % 2 == 0;
+    });
+    const SearchScope scope{{even.data(), even.size()}, left_out};
+    expectEqual(exact->find(code.data(), scope), expected);
+    expectEqual(lsh->find(code.data(), scope), expected);
+  }
+  EXPECT_TRUE(exact->find(query().data(), {{none.data(), none.size()}}).views.empty());
+  EXPECT_TRUE(lsh->find(query().data(), {{none.data(), none.size()}}).categories.empty());
 }
 
 std::size_t categoriesIn(const Expected& expected) { return expected.categories.size(); }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 #include "core/index_fixture.h"
@@ -16,6 +17,7 @@ using Code = std::vector<std::uint8_t>;
 using Neighbours = std::vector<std::pair<std::uint32_t, std::uint32_t>>;  // distance, view
 
 constexpr int kCategories = 16, kModels = 8, kViews = 8;  // kSketchedViews in all
+constexpr std::array<std::uint8_t, kCategories> kEveryThird{1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
 
 Neighbours listOf(Span<const Neighbour> found) {
   Neighbours list;
@@ -104,7 +106,9 @@ class SketchSearchTest : public testing::Test {
     for (std::size_t i = 0; i < queries.size(); ++i) {
       const std::uint32_t left_out =
           i % 2 == 0 ? Search::kNone : static_cast<std::uint32_t>(i % (kCategories * kModels));
-      const Nearest &a = exact->find(queries[i].data(), left_out), &b = sketch->find(queries[i].data(), left_out);
+      const Span<const std::uint8_t> some{kEveryThird.data(), i % 3 == 0 ? kEveryThird.size() : 0};
+      const SearchScope scope{some, left_out};
+      const Nearest &a = exact->find(queries[i].data(), scope), &b = sketch->find(queries[i].data(), scope);
       ASSERT_EQ(listOf(a.views), listOf(b.views)) << i;
       ASSERT_GE(b.categories.size, std::min<std::size_t>(a.categories.size, 10)) << i;
       Neighbours nearest = listOf(a.categories);

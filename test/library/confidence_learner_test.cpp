@@ -40,7 +40,7 @@ TEST(ConfidenceLearner, SaysHowOftenTheVoteIsRight) {
   double said = 0, said_clear = 0;
   for (std::uint32_t view = 0; view < index->viewCount(); ++view) {
     const std::uint32_t model = index->modelOf(view), category = index->models()[model].category;
-    const Nearest& found = search->find(index->code(view), model);
+    const Nearest& found = search->find(index->code(view), {{}, model});
     const std::uint32_t answer = classify(*index, found, ClassifyMethod::Vote, 0).alternatives[0].category;
     const double permille = confidencePermille(*learnt, confidenceFeatures(*index, found, answer, model));
     right += answer == category;

@@ -30,13 +30,22 @@ constexpr int kNearestViews = 64;
 /// A search that does not compare every view gives the categories of so many of the nearest, at least.
 constexpr int kCategoryPool = 256;
 
+/// Which views count in a search. By default all.
+struct SearchScope {
+  static constexpr std::uint32_t kNone = 0xffffffff;
+
+  /// By category of the index: those that are 0 do not count. As long as index.categories(), or empty: all count.
+  Span<const std::uint8_t> categories;
+  std::uint32_t left_out_model = kNone;  ///< does not count (for calibration)
+};
+
 /// Finds the nearest views of one index. All memory is taken at construction. One object a thread.
 class Search {
  public:
   virtual ~Search() = default;
-  /// `code` is as long as the index's code_bytes. `left_out_model`: views of this model do not count (for calibration).
-  virtual const Nearest& find(const std::uint8_t* code, std::uint32_t left_out_model = kNone) = 0;
-  static constexpr std::uint32_t kNone = 0xffffffff;
+  /// `code` is as long as the index's code_bytes. Nothing is found if no view is in scope.
+  virtual const Nearest& find(const std::uint8_t* code, const SearchScope& scope = {}) = 0;
+  static constexpr std::uint32_t kNone = SearchScope::kNone;
 };
 
 /// Compares with every view: the definition that every other search is measured against.
