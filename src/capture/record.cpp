@@ -39,8 +39,8 @@ Status follow(Device& device, const RecordLimits& limits, RecordReport& report,
     report.seconds = secondsSince(start);
     if (event == Device::Event::End) return {};
     if (event == Device::Event::Disconnected)
-      return Status::cannotDo("device " + device.description().uri + " vanished after " +
-                              std::to_string(report.frames) + " frames");
+      return Status::cannotDo("device " + device.description().uri + " vanished after frame " +
+                              std::to_string(report.frames));
     if (event == Device::Event::Frame)
       last_frame = Clock::now();
     else if (secondsSince(last_frame) * 1000 > limits.silence_ms)
