@@ -25,7 +25,7 @@ struct Options {
   CameraChoice camera;
   SearchChoice search;
   EvidenceChoice evidence;
-  std::string models;
+  std::string models, categories;
   std::vector<std::string> settings;  ///< name=value
   bool scene = false, align = false, json = false, vote = false, one_nn = false;
   double min_score = ClassifyParams{}.min_score_permille / 1000.0;
@@ -241,6 +241,11 @@ Status run(const Options& options) {
   }
   Session session{options, EvidenceRecogniser(index.value, options.search, options.evidence, options.models),
                   Segmenter(), params};
+  if (!options.categories.empty()) {
+    auto allowed = readAllowedCategories(options.categories, *index.value);
+    if (!allowed.ok()) return allowed.status;
+    session.recogniser.restrictTo(std::move(allowed.value));
+  }
   return classifyFiles(session);
 }
 
@@ -254,6 +259,9 @@ Run addClassify(CLI::App& app) {
   app.add_flag("--scene", options->scene,
                "Find the table and name what stands on it; without, the set pixels are the object");
   app.add_flag("--json", options->json, "One object a frame and line");
+  app.add_option("--categories", options->categories,
+                 "A file of categories, one a line, that alone may be answers (cfg/table_top.txt)")
+      ->type_name("FILE");
   options->evidence.addTo(app);
   app.add_flag("--align", options->align, "Where each object's model stands; with --plot it is drawn over the picture");
   app.add_option("--models", options->models,

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <numeric>
@@ -15,6 +14,7 @@
 #include "look_alikes.h"
 #include "nearest_codes.h"
 #include "scene_objects.h"
+#include "voxid/geometry/longest_extent.h"
 #include "voxid/geometry/segmenter.h"
 
 namespace voxid::cli {
@@ -29,28 +29,10 @@ struct Choice {
   AllowedCategories allowed;
 };
 
-Result<AllowedCategories> readAllowed(const Index& index, const std::string& path) {
-  std::ifstream file(path);
-  if (!file)
-    return Status::cannotDo(path + ": cannot be read; --categories expects a file of category names, one a line");
-  AllowedCategories allowed(index.categories().size);
-  for (std::string line; std::getline(file, line);) {
-    const std::size_t end = line.find_last_not_of(" \t\r");
-    line.resize(end == std::string::npos ? 0 : end + 1);
-    for (std::uint32_t i = 0; i < allowed.size(); ++i) {
-      if (index.categoryName(i) == line) allowed[i] = true;
-    }
-  }
-  if (std::find(allowed.begin(), allowed.end(), true) == allowed.end()) {
-    return Status::cannotDo(path + ": none of its categories is in the index; expected names, one a line");
-  }
-  return allowed;
-}
-
 Result<std::vector<Choice>> choicesOf(const Index& index, const std::string& categories) {
   std::vector<Choice> choices{{"all", {}}};
   if (categories.empty()) return choices;
-  auto allowed = readAllowed(index, categories);
+  auto allowed = readAllowedCategories(categories, index);
   if (!allowed.ok()) return allowed.status;
   choices.push_back({"listed", std::move(allowed.value)});
   return choices;
@@ -225,13 +207,14 @@ Result<Json> rowOf(const Questions& questions, CodeSearch& search, std::pair<con
   const Index& index = questions.index;
   Counts counts(index, questions.likeness);
   Segmenter segmenter;
+  LongestExtent extent;
+  AllowedCategories fitting;
   for (const SceneObject& object : questions.scenes.objects) {
     const auto& pixels = mask.second == Mask::True ? object.true_pixels : object.own_pixels;
     const DepthView depth = object.depth->view();
     const Span<const std::uint32_t> shown{pixels.data(), pixels.size()};
-    const AllowedCategories allowed =
-        evidence.sizes ? evidence.sizes->allowed(longestExtent_mm(depth, shown), choice.allowed) : choice.allowed;
-    const Nearest* const found = search.find(depth, shown, allowed);
+    if (evidence.sizes) evidence.sizes->find(extent.of_mm(depth, shown), choice.allowed, &fitting);
+    const Nearest* const found = search.find(depth, shown, evidence.sizes ? fitting : choice.allowed);
     const SupportPlane support = evidence.naming ? supportIn(depth, segmenter) : SupportPlane{};
     const auto answer =
         found ? answerFor(index, {depth, shown, support}, *found, search, evidence.naming) : Result<Answer>(Answer{});

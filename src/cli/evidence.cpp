@@ -2,19 +2,12 @@
 #include "evidence.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace voxid::cli {
 namespace {
 
 bool contains(const std::vector<std::string>& names, const char* name) {
   return std::find(names.begin(), names.end(), name) != names.end();
-}
-
-std::vector<std::uint32_t> allViews(const Index& index) {
-  std::vector<std::uint32_t> views(index.viewCount());
-  std::iota(views.begin(), views.end(), 0u);
-  return views;
 }
 
 }  // namespace
@@ -40,25 +33,19 @@ Status checkSurfaces(const std::string& option, const Index& index, const std::s
 EvidenceRecogniser::EvidenceRecogniser(std::shared_ptr<const Index> index, const SearchChoice& search,
                                        const EvidenceChoice& evidence, const std::string& models)
     : evidence_(evidence), recogniser_(index, search) {
-  if (evidence.size()) {
-    sizes_.emplace(*index);
-    view_code_ = ownCode(*index);
-    const auto code_at = [index](std::size_t view) { return index->code(static_cast<std::uint32_t>(view)); };
-    by_size_.emplace(*index, *view_code_, allViews(*index), code_at);
-  }
+  if (evidence.size()) sizes_.emplace(*index);
   if (!models.empty() || index->hasSurfaces()) naming_.emplace(index, models);
 }
 
 const Nearest* EvidenceRecogniser::nearest(const ObservedObject& object) {
   last_candidates_.clear();
-  last_nearest_ = sizes_ ? by_size_->find(object.depth, object.pixels,
-                                          sizes_->allowed(longestExtent_mm(object.depth, object.pixels), {}))
-                         : recogniser_.nearest(object.depth, object.pixels);
+  if (sizes_) sizes_->find(extent_.of_mm(object.depth, object.pixels), allowed_, &fitting_);
+  last_nearest_ = recogniser_.nearest(object.depth, object.pixels, sizes_ ? fitting_ : allowed_);
   return last_nearest_;
 }
 
 Result<std::vector<SketchedModel>> EvidenceRecogniser::candidates(const Nearest& nearest) {
-  return naming_->candidates(code(), nearest);
+  return naming_->candidates(recogniser_.code(), nearest);
 }
 
 Result<Answer> EvidenceRecogniser::recognise(const ObservedObject& object, ClassifyMethod method,

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "nearest_codes.h"
 #include "object_pose.h"
 #include "recogniser.h"
-#include "size_evidence.h"
+#include "voxid/geometry/longest_extent.h"
 #include "voxid/library/aligned_naming.h"
+#include "voxid/library/allowed_categories.h"
 
 namespace voxid::cli {
 
@@ -37,8 +37,11 @@ class EvidenceRecogniser {
   EvidenceRecogniser(std::shared_ptr<const Index> index, const SearchChoice& search, const EvidenceChoice& evidence,
                      const std::string& models);
 
-  /// The nearest views, of categories that may have the object's size. Null if there is nothing to compare. Belongs to
-  /// the recogniser until its next call.
+  /// Only these are answers from now on.
+  void restrictTo(AllowedCategories allowed) { allowed_ = std::move(allowed); }
+
+  /// The nearest views, of categories that are allowed and may have the object's size. Null if there is nothing to
+  /// compare. Belongs to the recogniser until its next call.
   const Nearest* nearest(const ObservedObject& object);
 
   /// The models to align with the object of the last nearest(). Reads them; what follows does not.
@@ -55,13 +58,11 @@ class EvidenceRecogniser {
   const Index& index() const { return recogniser_.index(); }
 
  private:
-  const std::uint8_t* code() const { return sizes_ ? by_size_->query() : recogniser_.code(); }
-
   EvidenceChoice evidence_;
   Recogniser recogniser_;
+  AllowedCategories allowed_, fitting_;
   std::optional<SizeTable> sizes_;
-  std::unique_ptr<ViewCode> view_code_;  // with sizes_
-  std::optional<CodeSearch> by_size_;    // with sizes_: among the categories that fit
+  LongestExtent extent_;
   std::optional<AlignedNaming> naming_;
   const Nearest* last_nearest_ = nullptr;
   std::vector<SketchedModel> last_candidates_;

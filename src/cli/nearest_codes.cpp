@@ -46,7 +46,7 @@ const Nearest* CodeSearch::find(const DepthView& depth, Span<const std::uint32_t
 void CodeSearch::compareAll(const AllowedCategories& allowed) {
   found_.clear();
   for (std::size_t i = 0; i < views_.size(); ++i) {
-    if (!allowed.empty() && !allowed[categoryOf(views_[i])]) continue;
+    if (!allowed.empty() && allowed[categoryOf(views_[i])] == 0) continue;
     const std::uint8_t* const code = code_at_(i);
     if (code != nullptr) found_.push_back({views_[i], code_.distance(query_.data(), code)});
   }

@@ -9,11 +9,9 @@
 #include "compare_codes.h"
 #include "voxid/core/refine.h"
 #include "voxid/core/search.h"
+#include "voxid/library/allowed_categories.h"
 
 namespace voxid::cli {
-
-/// By category of the index: whether it may be an answer. Empty: all may.
-using AllowedCategories = std::vector<bool>;
 
 class CodeSearch {
  public:

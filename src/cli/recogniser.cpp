@@ -57,9 +57,10 @@ Recogniser::Recogniser(std::shared_ptr<const Index> index, const SearchChoice& c
       code_(index_->parameters().code_bytes),
       search_(makeSearch(index_, choice.params)) {}
 
-const Nearest* Recogniser::nearest(const DepthView& depth, Span<const std::uint32_t> pixels) {
+const Nearest* Recogniser::nearest(const DepthView& depth, Span<const std::uint32_t> pixels,
+                                   const AllowedCategories& allowed) {
   if (encoder_->encode(depth, pixels, code_.data()) != DescribeStatus::Ok) return nullptr;
-  return &search_->find(code_.data());
+  return &search_->find(code_.data(), {{allowed.data(), allowed.size()}});
 }
 
 Answer Recogniser::recognise(const DepthView& depth, Span<const std::uint32_t> pixels, ClassifyMethod method,

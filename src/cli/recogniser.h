@@ -12,6 +12,7 @@
 #include "voxid/core/classifier.h"
 #include "voxid/core/classify_params.h"
 #include "voxid/core/encoder.h"
+#include "voxid/library/allowed_categories.h"
 
 namespace voxid::cli {
 
@@ -32,9 +33,11 @@ class Recogniser {
  public:
   Recogniser(std::shared_ptr<const Index> index, const SearchChoice& choice);
 
-  /// The nearest views of the object that `pixels` (row * width + column) show. Null if there is nothing to compare: no
-  /// pixel with depth, or all points in one place. Belongs to the recogniser until its next call.
-  const Nearest* nearest(const DepthView& depth, Span<const std::uint32_t> pixels);
+  /// The nearest views of the object that `pixels` (row * width + column) show, of the categories allowed. Null if
+  /// there is nothing to compare: no pixel with depth, or all points in one place. Belongs to the recogniser until its
+  /// next call.
+  const Nearest* nearest(const DepthView& depth, Span<const std::uint32_t> pixels,
+                         const AllowedCategories& allowed = {});
 
   /// `nearest`, ranked. `count` is zero if there is nothing to compare.
   Answer recognise(const DepthView& depth, Span<const std::uint32_t> pixels, ClassifyMethod method,

@@ -34,7 +34,7 @@ class ListSearch : public Search {
     scope_ = Scope(*index_, scope);
     count_ = 0;
     counts_.clear();
-    std::size_t probed = 0, until = least_lists_;
+    std::size_t probed = 0, until = listsInScope();
     do {
       until = std::min(until, buckets_.size());
       sortTo(until);
@@ -48,6 +48,13 @@ class ListSearch : public Search {
   }
 
  private:
+  // With part of the views in scope as many more lists, so that as many views are compared as without.
+  std::size_t listsInScope() const {
+    const std::uint64_t lists =
+        std::uint64_t{least_lists_} * index_->viewCount() / std::max<std::uint64_t>(1, scope_.views());
+    return static_cast<std::size_t>(std::min<std::uint64_t>(lists, buckets_.size()));
+  }
+
   // Buckets by their centroids' distances. A key that names no list (possible only in a damaged file) is passed over.
   void order(const std::uint8_t* code) {
     const Projection& projection = *index_->projection();

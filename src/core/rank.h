@@ -50,6 +50,13 @@ class Scope {
     left_out_ = index.models()[scope.left_out_model];
   }
 
+  /// In scope, about: a model that is left out counts.
+  std::uint64_t views() const {
+    if (categories_.empty()) return index_->viewCount();
+    std::uint64_t views = 0;
+    for (const format::Model& model : index_->models()) views += has(model) ? model.views : 0;
+    return views;
+  }
   /// `view` is below the index's viewCount().
   bool has(std::uint32_t view) const {
     return view - left_out_.first_view >= left_out_.views && (categories_.empty() || inCategories(view));

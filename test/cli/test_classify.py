@@ -56,6 +56,24 @@ def test_a_search_of_the_other_descriptor_is_refused(voxid, index, paper_index, 
     voxid("classify", image, "--index", index, "--lists", 4, "--radius", 4).refuses(2, "--lists", "--radius")
 
 
+@pytest.mark.parametrize("options", [[], ["--lists", 1], ["--1nn"], ["--evidence", "size"]])
+def test_only_listed_categories_are_answers(voxid, index, views, tmp_path, options):
+    listed = tmp_path / "listed.txt"
+    listed.write_text("ball\nrod\ntin\nnot_taught\n")
+    ask = ["classify", views("cube", "cube_b", 9), "--index", index, "--json", *options]
+    assert voxid(*ask).json["label"] == "cube"
+    among = voxid(*ask, "--categories", listed).json
+    assert {a["label"] for a in among["alternatives"]} == {"ball", "rod", "tin"}
+    assert among["label"] in {"ball", "rod", "tin"}
+
+
+def test_a_list_of_no_taught_category_is_refused(voxid, index, views, tmp_path):
+    ask = ["classify", views("cube", "cube_b", 9), "--index", index, "--categories"]
+    voxid(*ask, tmp_path / "none.txt").refuses(1, "none.txt")
+    (tmp_path / "other.txt").write_text("anything\n")
+    voxid(*ask, tmp_path / "other.txt").refuses(1, "other.txt")
+
+
 def test_several_files_give_a_line_each_in_their_order(voxid, index, views):
     images = [views("tin", "tin_a", 17), views("ball", "ball_a", 0), views("cone", "cone_a", 3)]
     answer = voxid("classify", *images, "--index", index, "--json")

@@ -202,6 +202,23 @@ TEST_F(DefaultIndex, NearestListsAreComparedInFull) {
   }
 }
 
+TEST_F(DefaultIndex, AScopeIsSearchedAmongAsManyViewsAsTheWhole) {
+  const auto index = make(40, 2, 6);
+  std::vector<std::uint8_t> fourth(40, 0);
+  std::fill_n(fourth.begin(), 10, 1);
+  const Span<const std::uint8_t> categories{fourth.data(), fourth.size()};
+  for (int i = 0; i < 20; ++i) {
+    const Code code = randomDefaultCode(random_);
+    const auto few = makeListSearch(index, 3), more = makeListSearch(index, 12);
+    const Neighbours found = pairsOf(few->find(code.data(), {categories}).views);
+    const Neighbours whole = pairsOf(more->find(code.data()).views);
+    for (const auto& [distance, view] : whole) {
+      if (index->models()[index->modelOf(view)].category >= 10) continue;
+      EXPECT_NE(std::find(found.begin(), found.end(), std::pair(distance, view)), found.end()) << view;
+    }
+  }
+}
+
 TEST_F(DefaultIndex, FiveCategoriesAreMetWhereverThereAreFive) {
   const auto index = make(5, 1, 200);  // kCategoryPool views may be of two
   for (const int lists : {1, 100}) {

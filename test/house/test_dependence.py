@@ -16,7 +16,7 @@ MAY_KNOW = {
 OUTSIDE = {
     "core": r"$.",  # nothing
     "geometry": r"Eigen/",
-    "library": r"Eigen/|assimp/|embree3/|nlohmann/",
+    "library": r"Eigen/|assimp/|embree3/|nlohmann/|yaml-cpp/",
     "capture": r"OpenNI\.h|Driver/|openni2/",
     "pcl": r"pcl/|Eigen/",
 }
@@ -85,7 +85,7 @@ KEYWORDS = {"PUBLIC", "PRIVATE", "INTERFACE"}
 OUTSIDE_TARGETS = {
     "voxid_core": r"$.",
     "voxid_geometry": r"Eigen3::Eigen$",
-    "voxid_library": r"(embree|nlohmann_json::nlohmann_json|Threads::Threads|\$\{CMAKE_DL_LIBS\})$",
+    "voxid_library": r"(embree|nlohmann_json::nlohmann_json|yaml-cpp|Threads::Threads|\$\{CMAKE_DL_LIBS\})$",
     "voxid_capture": r"(PkgConfig::OPENNI2|Threads::Threads|\$\{CMAKE_DL_LIBS\})$",
 }
 

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What an object may be, by what its place holds and by its size.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "voxid/core/index.h"
+
+namespace voxid {
+
+/// By category of an index: 0: it is no answer (SearchScope::categories). Empty: all may be.
+using AllowedCategories = std::vector<std::uint8_t>;
+
+/// Those that a file names, one a line; names that the index does not have are passed over. CannotDo if the file cannot
+/// be read or none is left.
+Result<AllowedCategories> readAllowedCategories(const std::string& path, const Index& index);
+
+/// The categories of an index with their least and most longest extents, as cfg/sizes.yaml has them.
+class SizeTable {
+ public:
+  explicit SizeTable(const Index& index);
+
+  /// Of `among` those that may be so long (longestExtent_mm). If that leaves none, `among`: the table is then no help.
+  /// Written to `fit`, which allocates nothing once it has been used.
+  void find(double longest_mm, const AllowedCategories& among, AllowedCategories* fit) const;
+
+ private:
+  struct Range {
+    double least_mm = 0, most_mm = 1e9;
+  };
+  std::vector<Range> ranges_;  // by category
+};
+
+}  // namespace voxid
