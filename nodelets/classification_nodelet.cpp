@@ -37,6 +37,8 @@ void ClassificationNodelet::onInit() {
   const ClassificationStartParams at_start = classificationStartParams(getPrivateNodeHandle());
   target_frame_ = at_start.target_frame;
   remembers_ = at_start.memory;
+  categories_ = at_start.categories;
+  size_ = at_start.size;
   startTransforms();
   poses_.start(node, at_start, [this] { return params(); });
   watch_.start(at_start.index, at_start.watch_index);
@@ -128,7 +130,7 @@ double ClassificationNodelet::helpersCpuMs() const { return recognisers_ ? recog
 
 RecogniserPool* ClassificationNodelet::recognisers(int threads) {
   if (watch_.index() && (!recognisers_ || recognisers_->threads() != threads))
-    recognisers_ = std::make_unique<RecogniserPool>(watch_.index(), threads);
+    recognisers_ = std::make_unique<RecogniserPool>(watch_.index(), scope_, threads);
   return recognisers_.get();
 }
 
@@ -203,19 +205,19 @@ void ClassificationNodelet::report(const Objects& objects, const Status& input) 
     health_.reason(Health::Level::Warn, "no transform from '" + objects.camera_frame + "' to '" + target_frame_ +
                                             "' at the depth frame's stamp: poses stay in the camera's frame");
   else
-    reportPoses();
+    health_.reason(trouble().empty() ? Health::Level::Ok : Health::Level::Warn, trouble());
 }
 
-void ClassificationNodelet::reportPoses() {
-  const std::string trouble = poses_.trouble();
-  health_.reason(trouble.empty() ? Health::Level::Ok : Health::Level::Warn, trouble);
+std::string ClassificationNodelet::trouble() const {
+  return scope_ && !scope_->trouble().empty() ? scope_->trouble() : poses_.trouble();
 }
 
 void ClassificationNodelet::followIndex(bool replaced) {
   if (replaced) {
     recognisers_.reset();  // of the index before; the next frame makes new ones
+    scope_ = std::make_shared<const AnswerScope>(*watch_.index(), categories_, size_);
     recognisers(params().threads);
-    poses_.setIndex(watch_.index());
+    poses_.setIndex(watch_.index(), scope_);
     if (remembers_) memory_ = std::make_unique<ObjectMemory>(watch_.index()->categories().size);
     NODELET_INFO("index %s: %u models, %u views", watch_.index()->path().c_str(), watch_.index()->header().models,
                  watch_.index()->header().views);

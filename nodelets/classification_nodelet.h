@@ -55,7 +55,7 @@ class ClassificationNodelet : public nodelet::Nodelet {
   void fillAnswers(Objects* objects);
   void remember(const Objects& objects);
   void report(const Objects& objects, const Status& input);
-  void reportPoses();
+  std::string trouble() const;
   ClassifyParams params() const;
   MemoryParams memoryParams() const;
 
@@ -64,6 +64,9 @@ class ClassificationNodelet : public nodelet::Nodelet {
   ClassifyParams params_;
   MemoryParams memory_params_;
   IndexWatch watch_;
+  std::string categories_;
+  bool size_ = false;
+  std::shared_ptr<const AnswerScope> scope_;  // of the index
   std::unique_ptr<RecogniserPool> recognisers_;
   std::vector<ObjectPixels> pixels_;  // of the frame's objects
   std::vector<Answer> answers_;       // to the frame's objects; empty without an index

@@ -72,6 +72,8 @@ inline ClassifyParams paramsOf(const ClassificationConfig& config) {
 struct ClassificationStartParams {
   std::string index = "";  ///< Path of the .vxi file to compare with; empty: objects are found and not named.
   bool watch_index = true;  ///< A replaced file is used within a second.
+  std::string categories = "";  ///< File of the categories that alone may be answers, one a line, such as cfg/table_top.txt; empty: all. The search costs the same.
+  bool size = false;  ///< A category that cannot be as long as an object, or as short, is no answer for it (doc/size.md). Some 0.2 ms an object; what is partly hidden looks shorter than it is, and toys are no furniture.
   std::string target_frame = "";  ///< tf frame of the poses; empty: the camera's. With a moving camera name one that the table rests in.
   bool memory = true;  ///< What earlier frames said about an object counts, too, and it keeps its number.
   std::string align = "off";  ///< Poses of CAD models: off, selected (those that align_object is called for) or all. Needs memory.
@@ -83,6 +85,8 @@ inline ClassificationStartParams classificationStartParams(const ros::NodeHandle
   ClassificationStartParams params;
   node.param("index", params.index, params.index);
   node.param("watch_index", params.watch_index, params.watch_index);
+  node.param("categories", params.categories, params.categories);
+  node.param("size", params.size, params.size);
   node.param("target_frame", params.target_frame, params.target_frame);
   node.param("memory", params.memory, params.memory);
   node.param("align", params.align, params.align);

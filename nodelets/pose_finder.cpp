@@ -76,9 +76,10 @@ PoseFinder::Mode PoseFinder::modeOf(const std::string& name, std::string* troubl
   return Mode::Off;
 }
 
-void PoseFinder::setIndex(const std::shared_ptr<const Index>& index) {
+void PoseFinder::setIndex(const std::shared_ptr<const Index>& index, const std::shared_ptr<const AnswerScope>& scope) {
   const std::lock_guard<std::mutex> lock(mutex_);
   index_ = index;
+  scope_ = scope;
   ++indices_;
   frame_ = {};
   board_.clear();
@@ -147,12 +148,14 @@ PoseFinder::Found PoseFinder::alignAndKeep(const AnsweredFrame& frame, std::size
 
 PoseFinder::Tools* PoseFinder::tools() {
   std::shared_ptr<const Index> index;
+  std::shared_ptr<const AnswerScope> scope;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     index = index_;
+    scope = scope_;
   }
   if (!index) tools_.reset();
-  if (index && (!tools_ || tools_->index != index)) tools_ = std::make_unique<Tools>(index, models_);
+  if (index && (!tools_ || tools_->index != index)) tools_ = std::make_unique<Tools>(index, scope, models_);
   return tools_.get();
 }
 

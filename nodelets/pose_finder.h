@@ -43,7 +43,7 @@ class PoseFinder {
   void start(ros::NodeHandle node, const ClassificationStartParams& at_start, std::function<ClassifyParams()> params);
 
   /// Poses that were found in an index before are forgotten.
-  void setIndex(const std::shared_ptr<const Index>& index);
+  void setIndex(const std::shared_ptr<const Index>& index, const std::shared_ptr<const AnswerScope>& scope);
   /// Fills the objects' model_pose. Never waits for an alignment; nor does any other call of the frame's thread.
   void show(Objects* objects);
   /// The newest frame, for the thread to work on.
@@ -55,8 +55,9 @@ class PoseFinder {
   enum class Mode { Off, Selected, All };
   /// Of one index; the thread's own.
   struct Tools {
-    explicit Tools(const std::shared_ptr<const Index>& of, const std::string& models)
-        : index(of), recogniser(of), aligner(of, models) {}
+    Tools(const std::shared_ptr<const Index>& of, const std::shared_ptr<const AnswerScope>& scope,
+          const std::string& models)
+        : index(of), recogniser(of, scope), aligner(of, models) {}
     std::shared_ptr<const Index> index;
     Recogniser recogniser;
     ModelAligner aligner;
@@ -88,6 +89,7 @@ class PoseFinder {
 
   mutable std::mutex mutex_;  // held for copies only
   std::shared_ptr<const Index> index_;
+  std::shared_ptr<const AnswerScope> scope_;
   std::uint64_t indices_ = 0;  // so many so far
   AnsweredFrame frame_;
   std::string trouble_;

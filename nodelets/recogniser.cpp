@@ -3,13 +3,18 @@
 
 namespace voxid {
 
-Recogniser::Recogniser(std::shared_ptr<const Index> index)
-    : index_(std::move(index)), encoder_(makeEncoder(index_->profile())), code_(index_->parameters().code_bytes) {}
+Recogniser::Recogniser(std::shared_ptr<const Index> index, std::shared_ptr<const AnswerScope> scope)
+    : index_(std::move(index)),
+      scope_(std::move(scope)),
+      encoder_(makeEncoder(index_->profile())),
+      code_(index_->parameters().code_bytes) {}
 
 const Nearest* Recogniser::nearest(const DepthView& depth, Span<const std::uint32_t> pixels,
                                    const ClassifyParams& params) {
   if (encoder_->encode(depth, pixels, code_.data()) != DescribeStatus::Ok) return nullptr;
-  return &searchFor(params).find(code_.data());
+  SearchScope scope;
+  if (scope_) scope.categories = scope_->of(depth, pixels, workspace_);
+  return &searchFor(params).find(code_.data(), scope);
 }
 
 Answer Recogniser::recognise(const DepthView& depth, Span<const std::uint32_t> pixels, const ClassifyParams& params) {

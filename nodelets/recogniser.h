@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "answer_scope.h"
 #include "voxid/core/classifier.h"
 #include "voxid/core/classify_params.h"
 #include "voxid/core/encoder.h"
@@ -14,7 +15,8 @@ namespace voxid {
 /// Descriptor, search and classifier of one index in a row.
 class Recogniser {
  public:
-  explicit Recogniser(std::shared_ptr<const Index> index);
+  /// `scope`: of the index; null: objects may be of any category.
+  explicit Recogniser(std::shared_ptr<const Index> index, std::shared_ptr<const AnswerScope> scope = nullptr);
 
   /// What the pixels (row * width + column) show; `count` is zero if they have no extent.
   Answer recognise(const DepthView& depth, Span<const std::uint32_t> pixels, const ClassifyParams& params);
@@ -26,6 +28,8 @@ class Recogniser {
   Search& searchFor(const ClassifyParams& params);
 
   std::shared_ptr<const Index> index_;
+  std::shared_ptr<const AnswerScope> scope_;
+  AnswerScope::Workspace workspace_;
   std::unique_ptr<Encoder> encoder_;
   std::vector<std::uint8_t> code_;
   std::unique_ptr<Search> search_;

@@ -8,8 +8,9 @@
 
 namespace voxid {
 
-RecogniserPool::RecogniserPool(const std::shared_ptr<const Index>& index, int threads) {
-  for (int i = 0; i < std::max(1, threads); ++i) recognisers_.push_back(std::make_unique<Recogniser>(index));
+RecogniserPool::RecogniserPool(const std::shared_ptr<const Index>& index,
+                               const std::shared_ptr<const AnswerScope>& scope, int threads) {
+  for (int i = 0; i < std::max(1, threads); ++i) recognisers_.push_back(std::make_unique<Recogniser>(index, scope));
   for (std::size_t i = 1; i < recognisers_.size(); ++i) helpers_.emplace_back([this, i] { help(*recognisers_[i]); });
 }
 

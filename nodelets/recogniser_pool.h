@@ -21,7 +21,8 @@ using ObjectPixels = Span<const std::uint32_t>;
 class RecogniserPool {
  public:
   /// The caller's thread is one of the `threads`.
-  RecogniserPool(const std::shared_ptr<const Index>& index, int threads);
+  RecogniserPool(const std::shared_ptr<const Index>& index, const std::shared_ptr<const AnswerScope>& scope,
+                 int threads);
   ~RecogniserPool();
 
   /// Valid until the next call. One caller at a time. also(i): what else the thread that takes the i-th object does for

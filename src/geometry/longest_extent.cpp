@@ -2,9 +2,35 @@
 #include "voxid/geometry/longest_extent.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 namespace voxid {
+namespace {
+
+constexpr std::size_t kMostPoints = 1024;
+
+/// The least of many numbers, but for a few.
+class Least {
+ public:
+  /// `left_out`: 0 to 3.
+  explicit Least(std::size_t left_out) : last_(left_out) { kept_.fill(std::numeric_limits<float>::infinity()); }
+
+  void add(float value) {
+    if (value >= kept_[last_]) return;
+    std::size_t place = last_;
+    for (; place > 0 && value < kept_[place - 1]; --place) kept_[place] = kept_[place - 1];
+    kept_[place] = value;
+  }
+  float last() const { return kept_[last_]; }
+
+ private:
+  std::array<float, 4> kept_;
+  std::size_t last_;
+};
+
+}  // namespace
 
 float LongestExtent::of_mm(const DepthView& depth, Span<const std::uint32_t> pixels) {
   constexpr int kDirections = 128;
@@ -20,12 +46,11 @@ float LongestExtent::of_mm(const DepthView& depth, Span<const std::uint32_t> pix
 }
 
 void LongestExtent::choosePoints(const DepthView& depth, Span<const std::uint32_t> pixels) {
-  constexpr std::size_t kMost = 1024;
   constexpr float kUmPerMm = 1000;
   x_mm_.clear();
   y_mm_.clear();
   z_mm_.clear();
-  const std::size_t step = std::max<std::size_t>(1, (pixels.size + kMost - 1) / kMost);
+  const std::size_t step = std::max<std::size_t>(1, (pixels.size + kMostPoints - 1) / kMostPoints);
   for (std::size_t i = 0; i < pixels.size; i += step) {
     const int u = static_cast<int>(pixels[i]) % depth.width_px, v = static_cast<int>(pixels[i]) / depth.width_px;
     const auto depth_um = depth.depthUm(u, v);
@@ -37,17 +62,17 @@ void LongestExtent::choosePoints(const DepthView& depth, Span<const std::uint32_
   }
 }
 
-float LongestExtent::spreadAlong(float x, float y, float z) {
+float LongestExtent::spreadAlong(float x, float y, float z) const {
   constexpr double kLeftOut = 0.003;
   const std::size_t count = x_mm_.size();
-  along_mm_.resize(count);
-  for (std::size_t i = 0; i < count; ++i) along_mm_[i] = x * x_mm_[i] + y * y_mm_[i] + z * z_mm_[i];
-  const auto out = static_cast<std::ptrdiff_t>(kLeftOut * static_cast<double>(count - 1));
-  const auto low = along_mm_.begin() + out, high = along_mm_.end() - 1 - out;
-  std::nth_element(along_mm_.begin(), low, along_mm_.end());
-  const float least_mm = *low;
-  std::nth_element(low, high, along_mm_.end());
-  return *high - least_mm;
+  const auto left_out = static_cast<std::size_t>(kLeftOut * static_cast<double>(count - 1));
+  Least low(left_out), high(left_out);
+  for (std::size_t i = 0; i < count; ++i) {
+    const float along_mm = x * x_mm_[i] + y * y_mm_[i] + z * z_mm_[i];
+    low.add(along_mm);
+    high.add(-along_mm);
+  }
+  return -high.last() - low.last();
 }
 
 }  // namespace voxid

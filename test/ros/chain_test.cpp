@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <mutex>
 #include <set>
@@ -109,6 +110,30 @@ TEST_F(Chain, NamesTheThingsOnTheTable) {
   ASSERT_TRUE(ball);
   EXPECT_EQ(ball->distance, 0);
   EXPECT_LT((eigenOf(ball->pose.pose.position) - scene.inCamera(scene.balls[0].centre_m)).norm(), 0.03);
+}
+
+TEST_F(Chain, OnlyListedCategoriesAreAnswers) {
+  test::writeSceneIndex(index_path_);
+  const std::string list = index_path_.string() + ".txt";
+  std::ofstream(list) << "ball\n";
+  node_.setParam("classification/categories", list);
+  start();
+  const ObjectsConstPtr objects = objectsFor(TableScene().depth_mm());
+  std::filesystem::remove(list);
+  ASSERT_TRUE(objects && objects->objects.size() == 2);
+  for (const Object& object : objects->objects) {
+    EXPECT_EQ(object.label, "ball");
+    ASSERT_EQ(object.alternatives.size(), 1u);
+  }
+}
+
+TEST_F(Chain, WhatCannotBeSoShortIsNoAnswer) {
+  test::writeSceneIndex(index_path_, "bed");  // cfg/sizes.yaml: at least 50 cm
+  node_.setParam("classification/size", true);
+  start();
+  const ObjectsConstPtr objects = objectsFor(TableScene().depth_mm());
+  ASSERT_TRUE(objects && objects->objects.size() == 2);
+  for (const Object& object : objects->objects) EXPECT_EQ(object.label, "ball");
 }
 
 TEST_F(Chain, AnObjectKeepsItsNumberAndAMovedOneHasANewOne) {
@@ -341,6 +366,17 @@ class Diagnostics {
   ros::NodeHandle node_;
   ros::Subscriber subscriber_;
 };
+
+TEST_F(Chain, AListThatCannotBeReadIsNamedAndHidesNothing) {
+  test::writeSceneIndex(index_path_);
+  node_.setParam("classification/categories", "nowhere.txt");
+  start();
+  Diagnostics diagnostics(name_);
+  const ObjectsConstPtr objects = objectsFor(TableScene().depth_mm());
+  ASSERT_TRUE(objects);
+  EXPECT_TRUE(labelled(*objects, "box"));
+  EXPECT_TRUE(diagnostics.becomes("classification", "message", "nowhere.txt: cannot be read"));
+}
 
 TEST_F(Chain, TheTableOfACameraThatHangsUpsideDownIsFoundWhereTfKnowsUp) {
   node_.setParam("segmentation/up_frame", "ground");

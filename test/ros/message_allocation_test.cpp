@@ -89,7 +89,7 @@ class MessageAllocation : public testing::Test {
     more.boxes.push_back({{-0.10, 0.62, 0.03}, {0.05, 0.06, 0.06}});
     none.boxes.clear();
     none.balls.clear();
-    Recogniser recogniser(index_);
+    Recogniser recogniser(index_, std::make_shared<const AnswerScope>(*index_, std::string(), true));
     std::vector<std::unique_ptr<Frame>> frames;
     for (const TableScene& scene : {TableScene(), more, none})
       frames.push_back(std::make_unique<Frame>(scene.depth_mm(), recogniser));

@@ -57,19 +57,19 @@ class Pool : public testing::Test {
 };
 
 TEST_F(Pool, AnswersDoNotDependOnTheNumberOfThreads) {
-  RecogniserPool alone(index_, 1);
+  RecogniserPool alone(index_, nullptr, 1);
   const std::vector<Said> expected = saidBy(alone, depth_, objects_);
   ASSERT_EQ(expected.size(), objects_.size());
   EXPECT_GT(std::set<Said>(expected.begin(), expected.end()).size(), 10u);  // else an exchange would not be seen
   for (const int threads : {2, 3, 8}) {
-    RecogniserPool pool(index_, threads);
+    RecogniserPool pool(index_, nullptr, threads);
     EXPECT_EQ(pool.threads(), threads);
     for (int frame = 0; frame < 20; ++frame) EXPECT_EQ(saidBy(pool, depth_, objects_), expected) << threads;
   }
 }
 
 TEST_F(Pool, AnAnswerDoesNotDependOnItsPlaceInTheFrame) {
-  RecogniserPool pool(index_, 4);
+  RecogniserPool pool(index_, nullptr, 4);
   const std::vector<Said> expected = saidBy(pool, depth_, objects_);
   std::vector<std::size_t> order(objects_.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -88,7 +88,7 @@ TEST_F(Pool, AnAnswerDoesNotDependOnItsPlaceInTheFrame) {
 
 TEST_F(Pool, WhatElseIsDoneForAnObjectIsDoneOnce) {
   for (const int threads : {1, 4}) {
-    RecogniserPool pool(index_, threads);
+    RecogniserPool pool(index_, nullptr, threads);
     std::vector<int> done(objects_.size());
     pool.recogniseAll(depth_, {objects_.data(), objects_.size()}, {}, [&](std::size_t i) { ++done[i]; });
     EXPECT_EQ(done, std::vector<int>(objects_.size(), 1));
@@ -96,7 +96,7 @@ TEST_F(Pool, WhatElseIsDoneForAnObjectIsDoneOnce) {
 }
 
 TEST_F(Pool, FramesWithFewObjectsOrNone) {
-  RecogniserPool pool(index_, 4);
+  RecogniserPool pool(index_, nullptr, 4);
   EXPECT_TRUE(saidBy(pool, depth_, {}).empty());
   const std::vector<Said> all = saidBy(pool, depth_, objects_);
   EXPECT_EQ(saidBy(pool, depth_, {objects_[3]}), (std::vector<Said>{all[3]}));
@@ -106,7 +106,7 @@ TEST_F(Pool, FramesWithFewObjectsOrNone) {
 }
 
 TEST_F(Pool, HelpersCountTheirProcessorTime) {
-  RecogniserPool alone(index_, 1), pool(index_, 3);
+  RecogniserPool alone(index_, nullptr, 1), pool(index_, nullptr, 3);
   for (int frame = 0; frame < 50; ++frame) {
     saidBy(alone, depth_, objects_);
     saidBy(pool, depth_, objects_);

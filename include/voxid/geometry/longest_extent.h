@@ -18,9 +18,9 @@ class LongestExtent {
 
  private:
   void choosePoints(const DepthView& depth, Span<const std::uint32_t> pixels);
-  float spreadAlong(float x, float y, float z);
+  float spreadAlong(float x, float y, float z) const;
 
-  std::vector<float> x_mm_, y_mm_, z_mm_, along_mm_;
+  std::vector<float> x_mm_, y_mm_, z_mm_;
 };
 
 }  // namespace voxid
