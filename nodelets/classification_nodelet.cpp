@@ -89,7 +89,6 @@ void ClassificationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image,
     refuse(depth.status.sentence, objects.get());
   const Eigen::Isometry3d target_from_camera = moveToTarget(objects.get());
   fillAnswers(objects.get());
-  poses_.show(objects.get());
   objects->classify_ms = watch.ms();
   objects->latency_ms = static_cast<float>((ros::Time::now() - image->header.stamp).toSec() * 1e3);
   objects_.publish(objects);
@@ -177,10 +176,12 @@ void ClassificationNodelet::fillAnswers(Objects* objects) {
   const bool comparable = objects->status != kNoTransform && objects->status != kBadInput;
   const bool remembered = memory_ && comparable;
   if (remembered) remember(*objects);
-  for (std::size_t i = 0; i < answers_.size(); ++i) {
-    fillAnswer(answers_[i], recognisers_->index(), &objects->objects[i]);
-    if (remembered) objects->objects[i].number = memory_->numberOf(i);
+  if (remembered) {
+    for (std::size_t i = 0; i < answers_.size(); ++i) objects->objects[i].number = memory_->numberOf(i);
   }
+  poses_.show(params().min_score_permille, objects, &answers_);
+  for (std::size_t i = 0; i < answers_.size(); ++i)
+    fillAnswer(answers_[i], recognisers_->index(), &objects->objects[i]);
 }
 
 void ClassificationNodelet::remember(const Objects& objects) {

@@ -23,10 +23,24 @@ SupportPlane supportOf(const TablePlane& table) {
   return {eigenOf(table.normal).cast<float>(), table.distance_m * 1e3f};
 }
 
-ModelPose stateOnly(std::uint8_t status) {
-  ModelPose pose;
-  pose.status = status;
-  return pose;
+AlignedObject stateOnly(std::uint8_t status) {
+  AlignedObject object;
+  object.pose.status = status;
+  return object;
+}
+
+AlignedObject posed(const Index& index, std::uint32_t model, const ShelvedModel& shelved, const Alignment& alignment) {
+  AlignedObject found;
+  found.pose = modelPoseOf(alignment, shelved.model.surface(), shelved.symmetry);
+  found.pose.label = std::string(index.categoryName(index.models()[model].category));
+  found.pose.model = std::string(index.modelName(model));
+  found.misfit = alignment.misfit;
+  return found;
+}
+
+void keepCategory(const Index& index, std::uint32_t category, std::vector<SketchedModel>* candidates) {
+  const auto other = [&](const SketchedModel& model) { return index.models()[model.model].category != category; };
+  candidates->erase(std::remove_if(candidates->begin(), candidates->end(), other), candidates->end());
 }
 
 /// Mean of the points, metres.
@@ -56,6 +70,7 @@ void PoseFinder::start(ros::NodeHandle node, const ClassificationStartParams& at
   params_ = std::move(params);
   models_ = at_start.models;
   percent_ = at_start.align_percent;
+  names_ = at_start.align_names;
   std::string trouble;
   mode_ = modeOf(at_start.align, &trouble);
   if (mode_ != Mode::Off && !at_start.memory) {
@@ -85,9 +100,10 @@ void PoseFinder::setIndex(const std::shared_ptr<const Index>& index, const std::
   board_.clear();
 }
 
-void PoseFinder::show(Objects* objects) {
+void PoseFinder::show(int min_score_permille, Objects* objects, std::vector<Answer>* answers) {
   if (mode_ == Mode::Off) return;
-  board_.show(mode_ == Mode::All ? ModelPose::WAITING : ModelPose::NOT_SELECTED, objects);
+  const std::uint8_t otherwise = mode_ == Mode::All ? ModelPose::WAITING : ModelPose::NOT_SELECTED;
+  board_.show(otherwise, min_score_permille, objects, answers);
 }
 
 void PoseFinder::offer(AnsweredFrame frame) {
@@ -133,16 +149,16 @@ bool PoseFinder::alignNext() {
   return true;
 }
 
-/// While it is aligned, numbers may begin anew.
-PoseFinder::Found PoseFinder::alignAndKeep(const AnsweredFrame& frame, std::size_t object) {
+/// While it is aligned, numbers and categories may begin anew.
+AlignedObject PoseFinder::alignAndKeep(const AnsweredFrame& frame, std::size_t object) {
   const auto indices = [this] {
     const std::lock_guard<std::mutex> lock(mutex_);
     return indices_;
   };
   const std::uint64_t before = indices();
-  const Found found = align(frame, object);
-  if (indices() == before)
-    board_.put(frame.objects->objects[object], frame.image->header.stamp, found.pose, found.misfit);
+  const AlignedObject found = align(frame, object);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (indices_ == before) board_.put(frame.objects->objects[object], frame.image->header.stamp, found);
   return found;
 }
 
@@ -159,37 +175,56 @@ PoseFinder::Tools* PoseFinder::tools() {
   return tools_.get();
 }
 
-PoseFinder::Found PoseFinder::align(const AnsweredFrame& frame, std::size_t object) {
+AlignedObject PoseFinder::align(const AnsweredFrame& frame, std::size_t object) {
+  Tools* const tools = this->tools();
   const Result<DepthView> depth = viewOf(*frame.image, *frame.info);
-  if (!depth.ok() || object >= frame.segments->segments.size()) return {stateOnly(ModelPose::NOT_FOUND), 1};
+  if (!tools || !depth.ok() || object >= frame.segments->segments.size()) return stateOnly(ModelPose::NOT_FOUND);
   const std::vector<std::uint32_t>& pixels = frame.segments->segments[object].pixels;
   ObservedObject observed;
   observed.depth = depth.value;
   observed.pixels = {pixels.data(), pixels.size()};
   observed.support = supportOf(frame.segments->table);
-  Found found = align(observed, params_());
+  const auto named = board_.categoryOf(frame.objects->objects[object]);
+  AlignedObject found = align(*tools, observed, params_(), named);
   if (found.pose.status == ModelPose::ALIGNED) found.pose.stamp = frame.image->header.stamp;
   transform(frame.target_from_camera, &found.pose);
   return found;
 }
 
-PoseFinder::Found PoseFinder::align(const ObservedObject& object, const ClassifyParams& params) {
-  Tools* const tools = this->tools();
-  const Nearest* const nearest = tools ? tools->recogniser.nearest(object.depth, object.pixels, params) : nullptr;
-  if (!nearest) return {stateOnly(ModelPose::NOT_FOUND), 1};
-  const auto ranked = tools->aligner.rank(object, *nearest);
+/// `named`: the category that the object was named before; it is then looked for alone.
+AlignedObject PoseFinder::align(Tools& tools, const ObservedObject& object, const ClassifyParams& params,
+                                std::optional<std::uint32_t> named) {
+  const Nearest* const nearest = tools.recogniser.nearest(object.depth, object.pixels, params);
+  if (!nearest) return stateOnly(ModelPose::NOT_FOUND);
+  if (names_) return nameOf(tools, object, *nearest, params.min_score_permille, named);
+  return poseOf(tools, object, *nearest);
+}
+
+AlignedObject PoseFinder::poseOf(Tools& tools, const ObservedObject& object, const Nearest& nearest) {
+  const auto ranked = tools.aligner.rank(object, nearest);
   setTrouble(ranked.status.sentence);
-  if (!ranked.ok()) return {stateOnly(ModelPose::NO_SURFACE), 1};
+  if (!ranked.ok()) return stateOnly(ModelPose::NO_SURFACE);
   const auto best = std::find_if(ranked.value.begin(), ranked.value.end(),
                                  [](const RankedModel& model) { return model.alignment.found; });
-  if (best == ranked.value.end()) return {stateOnly(ModelPose::NOT_FOUND), 1};
-  const Index& index = *tools->index;
-  const auto model = tools->aligner.shelf().find(best->model);
-  if (!model.ok()) return {stateOnly(ModelPose::NO_SURFACE), 1};
-  Found found{modelPoseOf(best->alignment, model.value->model.surface(), model.value->symmetry),
-              best->alignment.misfit};
-  found.pose.label = std::string(index.categoryName(index.models()[best->model].category));
-  found.pose.model = std::string(index.modelName(best->model));
+  if (best == ranked.value.end()) return stateOnly(ModelPose::NOT_FOUND);
+  const auto shelved = tools.aligner.shelf().find(best->model);
+  if (!shelved.ok()) return stateOnly(ModelPose::NO_SURFACE);
+  return posed(*tools.index, best->model, *shelved.value, best->alignment);
+}
+
+AlignedObject PoseFinder::nameOf(Tools& tools, const ObservedObject& object, const Nearest& nearest,
+                                 int min_score_permille, std::optional<std::uint32_t> named) {
+  auto candidates = tools.naming.candidates(tools.recogniser.code().data(), nearest);
+  setTrouble(candidates.status.sentence);
+  if (!candidates.ok()) return stateOnly(ModelPose::NO_SURFACE);
+  if (named) keepCategory(*tools.index, *named, &candidates.value);
+  tools.naming.sketch(object, candidates.value);
+  Answer name;
+  if (!named) name = tools.naming.name(nearest, candidates.value, min_score_permille);
+  const auto best = tools.naming.pose(candidates.value, named ? *named : name.alternatives[0].category);
+  if (best.model == nullptr) return stateOnly(ModelPose::NOT_FOUND);
+  AlignedObject found = posed(*tools.index, best.model->model, *best.model->shelved, best.alignment);
+  found.name = name;
   return found;
 }
 
@@ -213,7 +248,7 @@ bool PoseFinder::onAlign(AlignObject::Request& request, AlignObject::Response& r
     response.message = "the newest frame shows no object with number " + std::to_string(request.number);
     return true;
   }
-  const Found found = alignAndKeep(newest, static_cast<std::size_t>(wanted - objects.begin()));
+  const AlignedObject found = alignAndKeep(newest, static_cast<std::size_t>(wanted - objects.begin()));
   response.model_pose = found.pose;
   response.success = found.pose.status == ModelPose::ALIGNED;
   if (found.pose.status == ModelPose::NO_SURFACE) response.message = trouble();
@@ -234,13 +269,17 @@ bool PoseFinder::onClassify(ClassifyCloud::Request& request, ClassifyCloud::Resp
   observed.depth = patch.value.view();
   observed.pixels = patch.value.pixels();
   const ClassifyParams params = params_();
-  fillAnswer(tools->recogniser.recognise(observed.depth, observed.pixels, params), *tools->index, &response.object);
+  Answer answer = tools->recogniser.recognise(observed.depth, observed.pixels, params);
+  if (request.align) {
+    const AlignedObject found = align(*tools, observed, params, {});
+    response.object.model_pose = found.pose;
+    if (found.name.count > 0) answer = found.name;
+  }
+  fillAnswer(answer, *tools->index, &response.object);
   response.object.points = static_cast<std::uint32_t>(observed.pixels.size);
   response.object.centroid = pointOf(centroidOf(observed.depth, observed.pixels));
   response.success = !response.object.alternatives.empty();
   if (!response.success) response.message = "the points have no extent";
-  if (!request.align) return true;
-  response.object.model_pose = align(observed, params).pose;
   if (response.object.model_pose.status == ModelPose::NO_SURFACE) response.message = trouble();
   return true;
 }

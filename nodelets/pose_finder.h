@@ -14,12 +14,14 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 
 #include "params.h"
 #include "pose_board.h"
 #include "recogniser.h"
+#include "voxid/library/aligned_naming.h"
 #include "voxid/library/model_aligner.h"
 
 namespace voxid {
@@ -33,8 +35,8 @@ struct AnsweredFrame {
   Eigen::Isometry3d target_from_camera = Eigen::Isometry3d::Identity();
 };
 
-/// Aligns CAD models with objects, and answers align_object and classify_cloud, in a thread of its own that gives way
-/// to the frames' (nice 10). Of the parameters align, align_percent and models.
+/// Aligns CAD models with objects, names them by it, and answers align_object and classify_cloud, in a thread of its
+/// own that gives way to the frames' (nice 10). Of the parameters align, align_names, align_percent and models.
 class PoseFinder {
  public:
   ~PoseFinder();
@@ -44,8 +46,9 @@ class PoseFinder {
 
   /// Poses that were found in an index before are forgotten.
   void setIndex(const std::shared_ptr<const Index>& index, const std::shared_ptr<const AnswerScope>& scope);
-  /// Fills the objects' model_pose. Never waits for an alignment; nor does any other call of the frame's thread.
-  void show(Objects* objects);
+  /// Fills the objects' model_pose, and the answers, in their order, that alignment knows better. Never waits for an
+  /// alignment; nor does any other call of the frame's thread.
+  void show(int min_score_permille, Objects* objects, std::vector<Answer>* answers);
   /// The newest frame, for the thread to work on.
   void offer(AnsweredFrame frame);
 
@@ -57,14 +60,11 @@ class PoseFinder {
   struct Tools {
     Tools(const std::shared_ptr<const Index>& of, const std::shared_ptr<const AnswerScope>& scope,
           const std::string& models)
-        : index(of), recogniser(of, scope), aligner(of, models) {}
+        : index(of), recogniser(of, scope), aligner(of, models), naming(of, models) {}
     std::shared_ptr<const Index> index;
     Recogniser recogniser;
-    ModelAligner aligner;
-  };
-  struct Found {
-    ModelPose pose;
-    float misfit = 1;
+    ModelAligner aligner;  // without ~align_names
+    AlignedNaming naming;  // with it
   };
 
   static Mode modeOf(const std::string& name, std::string* trouble);
@@ -72,9 +72,13 @@ class PoseFinder {
   bool alignNext();
   Tools* tools();
   AnsweredFrame frame() const;
-  Found alignAndKeep(const AnsweredFrame& frame, std::size_t object);
-  Found align(const AnsweredFrame& frame, std::size_t object);
-  Found align(const ObservedObject& object, const ClassifyParams& params);
+  AlignedObject alignAndKeep(const AnsweredFrame& frame, std::size_t object);
+  AlignedObject align(const AnsweredFrame& frame, std::size_t object);
+  AlignedObject align(Tools& tools, const ObservedObject& object, const ClassifyParams& params,
+                      std::optional<std::uint32_t> named);
+  AlignedObject poseOf(Tools& tools, const ObservedObject& object, const Nearest& nearest);
+  AlignedObject nameOf(Tools& tools, const ObservedObject& object, const Nearest& nearest, int min_score_permille,
+                       std::optional<std::uint32_t> named);
   bool onAlign(AlignObject::Request& request, AlignObject::Response& response);
   bool onClassify(ClassifyCloud::Request& request, ClassifyCloud::Response& response);
   void setTrouble(const std::string& sentence);
@@ -82,6 +86,7 @@ class PoseFinder {
   Mode mode_ = Mode::Off;
   std::string models_;
   int percent_ = 50;
+  bool names_ = true;
   std::function<ClassifyParams()> params_;
   PoseBoard board_;
   std::unique_ptr<Tools> tools_;

@@ -22,6 +22,7 @@ class Recogniser {
   Answer recognise(const DepthView& depth, Span<const std::uint32_t> pixels, const ClassifyParams& params);
   /// The views nearest to them, until the next call; null if they have no extent.
   const Nearest* nearest(const DepthView& depth, Span<const std::uint32_t> pixels, const ClassifyParams& params);
+  const std::vector<std::uint8_t>& code() const { return code_; }  ///< of the pixels that were asked about last
   const Index& index() const { return *index_; }
 
  private:

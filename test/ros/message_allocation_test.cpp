@@ -43,6 +43,7 @@ struct Messages {
   Spares<Segment> spare_segments;
   Spares<Object> spare_objects;
   PoseBoard poses;
+  std::vector<Answer> answers;
 
   void fill(const Frame& frame, const Index& index) {
     spare_segments.resize(frame.scene.clusters.size, &segments.segments);
@@ -50,12 +51,13 @@ struct Messages {
     objects.status_text = statusText(segments.status);
     objects.table = segments.table;
     spare_objects.resize(segments.segments.size(), &objects.objects);
-    for (std::size_t i = 0; i < frame.answers.size(); ++i) {
+    answers = frame.answers;
+    for (std::size_t i = 0; i < answers.size(); ++i) {
       fillObject(frame.depth, segments.segments[i], &objects.objects[i]);
-      fillAnswer(frame.answers[i], index, &objects.objects[i]);
       objects.objects[i].number = numberOf(objects.objects[i]);
     }
-    poses.show(ModelPose::WAITING, &objects);
+    poses.show(ModelPose::WAITING, 0, &objects, &answers);
+    for (std::size_t i = 0; i < answers.size(); ++i) fillAnswer(answers[i], index, &objects.objects[i]);
   }
 
   /// What rests keeps its number.
@@ -63,14 +65,14 @@ struct Messages {
     return static_cast<std::uint32_t>(1000 + std::lround(object.centroid.x * 100));
   }
 
-  /// A model is aligned with each object.
+  /// A model is aligned with each object, and names it.
   void align(const std::string& model) {
-    for (const Object& object : objects.objects) {
-      ModelPose pose;
-      pose.status = ModelPose::ALIGNED;
-      pose.label = pose.model = model;
-      poses.put(object, objects.header.stamp, pose, 0.1f);
-    }
+    AlignedObject found;
+    found.pose.status = ModelPose::ALIGNED;
+    found.pose.label = found.pose.model = model;
+    found.name.count = 1;
+    found.name.score_permille = 321;
+    for (const Object& object : objects.objects) poses.put(object, objects.header.stamp, found);
   }
 };
 
@@ -125,7 +127,10 @@ TEST_F(MessageAllocation, PosesOfModelsThatAreShownAgainTakeNone) {
   const int before = allocations;
   for (const int i : {0, 1, 2, 0, 2, 1, 1, 0}) {
     messages.fill(*made[i], *index_);
-    for (const Object& object : messages.objects.objects) ASSERT_EQ(object.model_pose.label, model) << i;
+    for (const Object& object : messages.objects.objects) {
+      ASSERT_EQ(object.model_pose.label, model) << i;
+      ASSERT_EQ(object.score, 0.321f) << i;
+    }
   }
   EXPECT_EQ(allocations - before, 0);
 }

@@ -28,8 +28,9 @@ inline ModelRecord modelOf(const std::string& category, const std::string& name,
 }
 
 /// The box's view as category `box_label` (model box-7, synset 2883344), the ball's as "ball" (model ball-3, synset
-/// 2778669); each with direction 1.
-inline void writeSceneIndex(const std::string& path, const std::string& box_label = "box") {
+/// 2778669); each with direction 1. `twin`: a category before these, whose only model, twin-1, looks like the box, too.
+inline void writeSceneIndex(const std::string& path, const std::string& box_label = "box",
+                            const std::string& twin = "") {
   const auto image = imageOf(TableScene().depth_mm(), ros::Time(1));
   const DepthView depth = viewOf(*image, *infoOf(ros::Time(1))).value;
   Segmenter segmenter;
@@ -41,8 +42,9 @@ inline void writeSceneIndex(const std::string& path, const std::string& box_labe
   content.directions.resize(2);
   content.directions[0] = {{32767, 0, 0}, {0, 32767, 0}, {}};
   content.directions[1] = {{0, 32767, 0}, {0, 0, 32767}, {}};
-  content.models.push_back(
-      modelOf(box_label, "box-7", 2883344, describer.describe(depth, scene.clusters[box_first ? 0 : 1].pixels).bins));
+  const Descriptor box = describer.describe(depth, scene.clusters[box_first ? 0 : 1].pixels).bins;
+  if (!twin.empty()) content.models.push_back(modelOf(twin, "twin-1", 0, box));
+  content.models.push_back(modelOf(box_label, "box-7", 2883344, box));
   content.models.push_back(
       modelOf("ball", "ball-3", 2778669, describer.describe(depth, scene.clusters[box_first ? 1 : 0].pixels).bins));
   content.calibration = builtInCalibration({});
