@@ -78,14 +78,23 @@ class ListSearch : public Search {
     sorted_ = count;
   }
 
-  // A bucket's views that are in scope. Views that are not there, or more than all (possible only in a damaged
-  // file), are passed over.
   void take(std::uint32_t bucket) {
+    const Scope scope = scope_;  // the loops' own, so that it stays in registers
+    if (scope.hasAllCategories())
+      takeIf(bucket, [scope](std::uint32_t view) { return !scope.leavesOut(view); });
+    else
+      takeIf(bucket, [&scope](std::uint32_t view) { return scope.has(view); });
+  }
+
+  // A bucket's views that are in scope. Views that are not there, or more than all (possible only in a damaged file),
+  // are passed over.
+  template <typename InScope>
+  void takeIf(std::uint32_t bucket, InScope in_scope) {
     const auto views = static_cast<std::uint32_t>(index_->viewCount());
     for (const std::uint32_t view : index_->bucket(bucket)) {
       if (count_ == views) return;
       rows_[count_] = view;
-      count_ += view < views && scope_.has(view);
+      count_ += view < views && in_scope(view);
     }
   }
 

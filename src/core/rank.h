@@ -58,9 +58,10 @@ class Scope {
     return views;
   }
   /// `view` is below the index's viewCount().
-  bool has(std::uint32_t view) const {
-    return view - left_out_.first_view >= left_out_.views && (categories_.empty() || inCategories(view));
-  }
+  bool has(std::uint32_t view) const { return !leavesOut(view) && (categories_.empty() || inCategories(view)); }
+  bool hasAllCategories() const { return categories_.empty(); }
+  /// All that has() says where all categories are in scope.
+  bool leavesOut(std::uint32_t view) const { return view - left_out_.first_view < left_out_.views; }
   bool has(const format::Model& model) const {
     const bool left_out = left_out_.views > 0 && model.first_view == left_out_.first_view;
     return !left_out &&
