@@ -22,7 +22,7 @@ class SizeTable {
  public:
   explicit SizeTable(const Index& index);
 
-  /// Of `among` those that may be so long (longestExtent_mm). If that leaves none, `among`: the table is then no help.
+  /// Of `among` those that may be so long (LongestExtent). If that leaves none, `among`: the table is then no help.
   /// Written to `fit`, which allocates nothing once it has been used.
   void find(double longest_mm, const AllowedCategories& among, AllowedCategories* fit) const;
 
