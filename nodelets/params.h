@@ -77,7 +77,7 @@ struct ClassificationStartParams {
   std::string target_frame = "";  ///< tf frame of the poses; empty: the camera's. With a moving camera name one that the table rests in.
   bool memory = true;  ///< What earlier frames said about an object counts, too, and it keeps its number.
   std::string align = "off";  ///< Poses of CAD models: off, selected (those that align_object is called for) or all. Needs memory.
-  bool align_names = true;  ///< What is aligned is named by it, too, while it rests (doc/memory.md): more are named rightly, and the label is that of the pose. The first alignment of an object takes some three times as long, frames no longer. false: labels are those of the codes.
+  bool align_names = true;  ///< What is aligned is named by it, too, while it rests (doc/memory.md): more are named rightly, and the label is that of the pose. The first alignment of an object takes some two and a half times as long, frames no longer. false: labels are those of the codes.
   int align_percent = 50;  ///< Share of one core that all may take. Less finds poses later; frames never wait for it.
   std::string models = "";  ///< Folder of models that the index was made from, for the surfaces that poses are found by; not needed if the index keeps them (voxid build --keep-points).
 };

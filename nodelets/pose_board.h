@@ -21,11 +21,11 @@ struct AlignedObject {
 };
 
 /// The models' poses and the names that were found, by the number of the object: each holds while the object rests
-/// where it was. The first name holds: it never flickers, and later tries look for a better pose under it.
+/// where it was. The first name holds, and later tries look for a better pose under it.
 /// No clock: time is that of the frames. Thread-safe; no call waits for an alignment.
 class PoseBoard {
  public:
-  static constexpr double kRest_m = 0.015;  ///< the centre of a resting thing's visible box wanders by less
+  static constexpr double kRest_m = 0.015;  ///< the centre of a resting thing's visible box wanders by less, mostly
   static constexpr double kKeep_s = 10;     ///< after its last sight
   static constexpr int kMostTries = 3;      ///< an object is aligned in so many frames, kApart_s apart: the best counts
   static constexpr double kApart_s = 1;
