@@ -50,12 +50,12 @@ class Scope {
     left_out_ = index.models()[scope.left_out_model];
   }
 
-  /// In scope, about: a model that is left out counts.
+  /// In scope; at most all, whatever the models of a damaged file claim.
   std::uint64_t views() const {
     if (categories_.empty()) return index_->viewCount();
     std::uint64_t views = 0;
     for (const format::Model& model : index_->models()) views += has(model) ? model.views : 0;
-    return views;
+    return std::min<std::uint64_t>(views, index_->viewCount());
   }
   /// `view` is below the index's viewCount().
   bool has(std::uint32_t view) const { return !leavesOut(view) && (categories_.empty() || inCategories(view)); }

@@ -341,11 +341,14 @@ TEST_F(DefaultIndex, TheOnlyModelOfACategoryLeavesItWithoutAMean) {
 // ---- damage ----------------------------------------------------------------------------------------------------
 
 void useIt(const std::shared_ptr<const Index>& index) {
+  std::vector<std::uint8_t> every_second(index->categories().size);
+  for (std::size_t i = 0; i < every_second.size(); i += 2) every_second[i] = 1;
   const Code code(kBytes, 3);
   SearchParams lists;
   lists.exact = false;
   for (const auto& search : {makeExactSearch(index), makeListSearch(index, 2), makeListSearch(index, 100),
                              makeSearch(index, {}), makeSearch(index, lists)}) {
+    (void)search->find(code.data(), {{every_second.data(), every_second.size()}});
     const Nearest& nearest = search->find(code.data(), {{}, 1});
     const Answer answer = classify(*index, nearest, ClassifyMethod::Vote, 0);
     for (int i = 0; i < answer.count; ++i) {
