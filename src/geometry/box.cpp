@@ -31,27 +31,6 @@ VOXID_VECTORISED Sums sumsOf(const std::int32_t* x_um, const std::int32_t* y_um,
   return {x, y, height, highest};
 }
 
-/// Takes ascending runs and gives the box around them; at least one.
-class RunsBox {
- public:
-  explicit RunsBox(int width_px) : width_(static_cast<std::uint32_t>(width_px)), left_(width_) {}
-
-  void add(Run run) {
-    if (right_ == 0) top_ = run.begin / width_;
-    bottom_ = run.begin / width_;
-    const std::uint32_t row_begin = bottom_ * width_;
-    left_ = std::min(left_, run.begin - row_begin);
-    right_ = std::max(right_, run.end - row_begin);
-  }
-  PixelBox box() const {
-    return {static_cast<int>(left_), static_cast<int>(top_), static_cast<int>(right_ - left_),
-            static_cast<int>(bottom_ - top_) + 1};
-  }
-
- private:
-  std::uint32_t width_, left_, right_ = 0, top_ = 0, bottom_ = 0;
-};
-
 bool touchesBorder(const PixelBox& box, int width_px, int height_px) {
   return box.x == 0 || box.y == 0 || box.x + box.width == width_px || box.y + box.height == height_px;
 }
@@ -59,15 +38,16 @@ bool touchesBorder(const PixelBox& box, int width_px, int height_px) {
 }  // namespace
 
 PixelBox pixelBoxOf(Span<const Run> runs, int width_px) {
-  RunsBox around(width_px);
-  for (const Run& run : runs) around.add(run);
-  return around.box();
-}
-
-PixelBox pixelBoxOf(Span<const std::uint32_t> pixels, int width_px) {
-  RunsBox around(width_px);
-  visitRuns(pixels, static_cast<std::uint32_t>(width_px), [&](Run run) { around.add(run); });
-  return around.box();
+  const auto width = static_cast<std::uint32_t>(width_px);
+  const std::uint32_t top = runs[0].begin / width, bottom = runs[runs.size - 1].begin / width;
+  std::uint32_t left = width, right = 0;
+  for (const Run& run : runs) {
+    const std::uint32_t column = run.begin % width;
+    left = std::min(left, column);
+    right = std::max(right, column + run.size());
+  }
+  return {static_cast<int>(left), static_cast<int>(top), static_cast<int>(right - left),
+          static_cast<int>(bottom - top) + 1};
 }
 
 BoxFitter::BoxFitter() : columns_(kColumns) {
@@ -78,17 +58,6 @@ BoxFitter::BoxFitter() : columns_(kColumns) {
 void BoxFitter::reserve(std::size_t pixels) {
   placed_.reserve(pixels);
   outermost_.reserve(pixels);
-}
-
-/// Also the pixel box.
-void BoxFitter::placeAll(const Surface& surface, Cluster& cluster) {
-  RunsBox around(surface.inverse.width_px);
-  placed_.clear(cluster.pixels.size);
-  visitRuns(cluster.pixels, static_cast<std::uint32_t>(surface.inverse.width_px), [&](Run run) {
-    around.add(run);
-    surface.place(run, placed_);
-  });
-  cluster.box_px = around.box();
 }
 
 /// Keeps, in each column of the plan, the lowest and the highest point.
@@ -118,12 +87,14 @@ std::size_t BoxFitter::hull() {
   return convexHull({sorted_.data(), sorted_.size()}, hull_.data());
 }
 
-void BoxFitter::fit(const Surface& surface, Cluster& cluster) {
-  placeAll(surface, cluster);
+void BoxFitter::fit(const Surface& surface, const Region& region, Cluster& cluster) {
+  placed_.clear(region.pixels);
+  for (const Run& run : region.runs) surface.place(run, placed_);
+  cluster.box_px = pixelBoxOf(region.runs, surface.inverse.width_px);
   std::int32_t *const x_um = placed_.x_um.data(), *const y_um = placed_.y_um.data();
   const Sums sums = sumsOf(x_um, y_um, placed_.height_um.data(), placed_.count);
   cluster.truncated |= touchesBorder(cluster.box_px, surface.inverse.width_px, surface.inverse.height_px);
-  const double per_point = 1e-6 / static_cast<double>(cluster.pixels.size);
+  const double per_point = 1e-6 / static_cast<double>(region.pixels);
   cluster.centroid_m = surface.plan
                            .lift(static_cast<double>(sums.x) * per_point, static_cast<double>(sums.y) * per_point,
                                  static_cast<double>(sums.height) * per_point)

@@ -13,8 +13,6 @@ namespace voxid {
 
 /// The smallest box around ascending runs; at least one.
 PixelBox pixelBoxOf(Span<const Run> runs, int width_px);
-/// The same around ascending pixels.
-PixelBox pixelBoxOf(Span<const std::uint32_t> pixels, int width_px);
 
 /// Pixel box, centroid, and the smallest box that stands on the table around the points.
 class BoxFitter {
@@ -22,14 +20,14 @@ class BoxFitter {
   BoxFitter();
   void reserve(std::size_t pixels);
 
-  /// Sets everything in `cluster` that follows from `cluster.pixels`; `truncated` too if the image's border cuts it.
-  void fit(const Surface& surface, Cluster& cluster);
+  /// Sets everything in `cluster` that follows from where its pixels are; `truncated` too if the image's border cuts
+  /// it.
+  void fit(const Surface& surface, const Region& region, Cluster& cluster);
 
  private:
   struct Column {
     Point2 lowest, highest;
   };
-  void placeAll(const Surface& surface, Cluster& cluster);
   void bin(Span<const Point2> points);
   std::size_t hull();
 

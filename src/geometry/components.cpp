@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <utility>
 
 #include "flags.h"
@@ -26,7 +25,6 @@ void Components::reserve(std::size_t pixels, int width_px) {
   part_of_run_.reserve(pixels);
   parts_.reserve(pixels);
   sorted_.reserve(2 * pixels);  // what is cut is written a second time
-  gathered_.reserve(pixels);
 }
 
 std::uint32_t Components::rootOf(std::uint32_t run) {
@@ -225,25 +223,16 @@ void Components::join(std::size_t a, std::size_t b) {
   std::swap(parts_[first].next, parts_[other].next);
 }
 
-void Components::collect(std::size_t first, std::vector<std::uint32_t>& pixels) {
-  gathered_.clear();
+void Components::collect(std::size_t first, std::vector<Run>& runs) const {
+  const auto begin = static_cast<std::ptrdiff_t>(runs.size());
   auto part = static_cast<std::uint32_t>(first);
   do {
-    const Span<const Run> runs = runsOf(part);
-    gathered_.insert(gathered_.end(), runs.begin(), runs.end());
+    const Span<const Run> more = runsOf(part);
+    runs.insert(runs.end(), more.begin(), more.end());
     part = parts_[part].next;
   } while (part != first);
-  if (parts_[first].next != first) {
-    std::sort(gathered_.begin(), gathered_.end(), [](Run a, Run b) { return a.begin < b.begin; });
-  }
-  std::size_t at = pixels.size();
-  pixels.resize(at + parts_[first].group_pixels);
-  for (const Run& run : gathered_) {
-    const auto length = static_cast<std::size_t>(run.end - run.begin);
-    std::iota(pixels.begin() + static_cast<std::ptrdiff_t>(at),
-              pixels.begin() + static_cast<std::ptrdiff_t>(at + length), run.begin);
-    at += length;
-  }
+  if (parts_[first].next == first) return;
+  std::sort(runs.begin() + begin, runs.end(), [](Run a, Run b) { return a.begin < b.begin; });
 }
 
 }  // namespace voxid

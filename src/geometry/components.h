@@ -34,9 +34,9 @@ class Components {
 
   void join(std::size_t a, std::size_t b);
   bool firstOfGroup(std::size_t part) const { return parts_[part].group == part; }
-  std::size_t pixelsInGroup(std::size_t first) const { return parts_[first].group_pixels; }
-  /// Appends the pixels of a group, ascending.
-  void collect(std::size_t first, std::vector<std::uint32_t>& pixels);
+  std::uint32_t pixelsInGroup(std::size_t first) const { return parts_[first].group_pixels; }
+  /// Appends the runs of a group, ascending.
+  void collect(std::size_t first, std::vector<Run>& runs) const;
 
  private:
   struct Part {
@@ -72,7 +72,6 @@ class Components {
   std::vector<std::uint32_t> part_of_run_;
   std::vector<Part> parts_;
   std::vector<Run> sorted_;  ///< by part
-  std::vector<Run> gathered_;
 };
 
 }  // namespace voxid

@@ -25,7 +25,9 @@ template <typename Visit>
 void visitSet(const std::uint8_t* flags, std::size_t first, std::size_t end, Visit visit) {
   for (std::size_t i = first; i < end; i += kFlagsAtOnce) {
     for (std::uint64_t eight = eightAt(flags + i); eight != 0; eight &= eight - 1) {
-      if (const std::size_t at = i + firstSet(eight); at < end) visit(at);
+      const std::size_t at = i + firstSet(eight);
+      if (at >= end) return;
+      visit(at);
     }
   }
 }

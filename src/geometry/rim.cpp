@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
+
+#include "flags.h"
 
 namespace voxid {
 namespace {
@@ -14,99 +17,94 @@ constexpr int kMarginShare_percent = 30;  // of min_margin_per_km
 
 void RimGrower::reserve(std::size_t pixels, int width_px, int height_px) {
   low_.reserve(width_px, height_px);
-  taken_.reserve(pixels);
+  free_.reserve(pixels + kFlagsAtOnce);
   added_.reserve(pixels);
-  pixels_.reserve(pixels);
+  runs_.reserve(pixels);
 }
 
-void RimGrower::takeClusters(const std::vector<Cluster>& clusters, const InverseDepth& inverse) {
-  taken_.assign(inverse.values.size(), 0);
-  for (const Cluster& cluster : clusters) {
-    visitRuns(cluster.pixels, static_cast<std::uint32_t>(inverse.width_px),
-              [&](Run run) { std::memset(taken_.data() + run.begin, 1, run.end - run.begin); });
+void RimGrower::freeOthers(const std::vector<Region>& regions, const InverseDepth& inverse) {
+  free_.assign(inverse.values.size() + kFlagsAtOnce, 1);
+  for (const Region& region : regions) {
+    for (const Run& run : region.runs) std::memset(free_.data() + run.begin, 0, run.size());
   }
 }
 
-/// Whether all four neighbours of `Block` pixels are taken: true for most, and told without their row and column.
-template <typename Block>
-bool RimGrower::surrounded(std::uint32_t pixel, std::uint32_t width) const {
-  if (pixel < width || pixel + sizeof(Block) + width > taken_.size()) return false;
-  const std::uint8_t* const here = taken_.data() + pixel;
-  const auto at = [](const std::uint8_t* first) {
-    Block block;
-    std::memcpy(&block, first, sizeof block);
-    return block;
-  };
-  constexpr auto kAllTaken = static_cast<Block>(0x0101010101010101);
-  return (at(here - 1) & at(here + 1) & at(here - width) & at(here + width)) == kAllTaken;
-}
-
-void RimGrower::visitBorder(const Surface& surface, std::uint32_t cluster, Run run) {
-  const auto width = static_cast<std::uint32_t>(surface.inverse.width_px);
-  for (std::uint32_t pixel = run.begin; pixel < run.end;) {
-    if (pixel + 8 <= run.end && surrounded<std::uint64_t>(pixel, width)) {
-      pixel += 8;
-      continue;
-    }
-    if (!surrounded<std::uint8_t>(pixel, width)) visitNeighbours(surface, cluster, pixel);
-    ++pixel;
-  }
-}
-
-void RimGrower::visitNeighbours(const Surface& surface, std::uint32_t cluster, std::uint32_t pixel) {
+/// Gives a region a pixel in row v, beside its pixel `from`, if both belong together.
+void RimGrower::take(const Surface& surface, Added next, std::uint32_t from, int v) {
   const InverseDepth& inverse = surface.inverse;
-  const int width = inverse.width_px, v = surface.row(pixel), u = static_cast<int>(pixel) - v * width;
-  const std::int32_t here = inverse.values[pixel];
-  const auto visit = [&](std::uint32_t next, int next_u, int next_v) {
-    const std::int32_t value = inverse.values[next];
-    if (taken_[next] || !low_.contains(value, next_u, next_v) || !gap_.within(here, value)) return;
-    taken_[next] = 1;
-    added_.push_back({cluster, next});
-  };
-  if (u > 0) visit(pixel - 1, u - 1, v);
-  if (u + 1 < width) visit(pixel + 1, u + 1, v);
-  if (v > 0) visit(pixel - static_cast<std::uint32_t>(width), u, v - 1);
-  if (v + 1 < inverse.height_px) visit(pixel + static_cast<std::uint32_t>(width), u, v + 1);
+  const std::int32_t value = inverse.values[next.pixel];
+  const int u = static_cast<int>(next.pixel) - v * inverse.width_px;
+  if (!low_.contains(value, u, v) || !gap_.within(inverse.values[from], value)) return;
+  free_[next.pixel] = 0;
+  added_.push_back(next);
 }
 
-/// Both lists ascend within a cluster.
-void RimGrower::merge(std::vector<Cluster>& clusters) {
+/// To the left and right of a run, and above and below each of its pixels.
+void RimGrower::growRun(const Surface& surface, std::uint32_t region, Run run) {
+  const auto width = static_cast<std::uint32_t>(surface.inverse.width_px);
+  const int v = surface.row(run.begin);
+  const std::uint32_t row_begin = static_cast<std::uint32_t>(v) * width;
+  if (run.begin > row_begin && free_[run.begin - 1]) take(surface, {region, run.begin - 1}, run.begin, v);
+  if (run.end < row_begin + width && free_[run.end]) take(surface, {region, run.end}, run.end - 1, v);
+  const auto takeInRow = [&](int next_v, std::uint32_t shift) {  // shift: modulo 2^32
+    if (next_v < 0 || next_v >= surface.inverse.height_px) return;
+    visitSet(free_.data(), run.begin + shift, run.end + shift, [&](std::size_t next) {
+      const auto pixel = static_cast<std::uint32_t>(next);
+      take(surface, {region, pixel}, pixel - shift, next_v);
+    });
+  };
+  takeInRow(v - 1, 0 - width);
+  takeInRow(v + 1, width);
+}
+
+/// Both lists ascend within a region.
+void RimGrower::merge(std::uint32_t width, std::vector<Region>& regions) {
   std::sort(added_.begin(), added_.end(), [](const Added& a, const Added& b) {
-    return a.cluster != b.cluster ? a.cluster < b.cluster : a.pixel < b.pixel;
+    return a.region != b.region ? a.region < b.region : a.pixel < b.pixel;
   });
-  pixels_.clear();
+  runs_.clear();
   auto next = added_.cbegin();
-  for (std::size_t i = 0; i < clusters.size(); ++i) {
-    const std::size_t first = pixels_.size();
-    const std::uint32_t* from = clusters[i].pixels.begin();
-    const std::uint32_t* const end = clusters[i].pixels.end();
-    for (; next != added_.cend() && next->cluster == i; ++next) {
-      const std::uint32_t* const to = std::lower_bound(from, end, next->pixel);
-      pixels_.insert(pixels_.end(), from, to);
-      pixels_.push_back(next->pixel);
-      from = to;
+  for (std::uint32_t i = 0; i < regions.size(); ++i) {
+    const std::size_t first = runs_.size();
+    const auto add = [&](Run run) {
+      if (runs_.size() > first && runs_.back().end == run.begin && run.begin % width != 0)
+        runs_.back().end = run.end;
+      else
+        runs_.push_back(run);
+    };
+    const auto addThoseBefore = [&](std::uint32_t end) {
+      for (; next != added_.cend() && next->region == i && next->pixel < end; ++next) {
+        add({next->pixel, next->pixel + 1});
+        ++regions[i].pixels;
+      }
+    };
+    for (const Run& run : regions[i].runs) {
+      addThoseBefore(run.begin);
+      add(run);
     }
-    pixels_.insert(pixels_.end(), from, end);
-    clusters[i].pixels = {pixels_.data() + first, pixels_.size() - first};
+    addThoseBefore(std::numeric_limits<std::uint32_t>::max());
+    regions[i].runs = {runs_.data() + first, runs_.size() - first};
   }
 }
 
-void RimGrower::grow(const Surface& surface, const SegmentParams& params, std::vector<Cluster>& clusters) {
+void RimGrower::grow(const Surface& surface, const SegmentParams& params, std::vector<Region>& regions) {
   gap_ = DepthStep(params.cluster_gap_mm);
   low_.set(surface.table, surface.distance_m, params.rim_height_mm, params.max_height_mm,
            params.min_margin_per_km * kMarginShare_percent / 100);
-  takeClusters(clusters, surface.inverse);
+  freeOthers(regions, surface.inverse);
   added_.clear();
-  for (std::uint32_t i = 0; i < clusters.size(); ++i) {
-    visitRuns(clusters[i].pixels, static_cast<std::uint32_t>(surface.inverse.width_px),
-              [&](Run run) { visitBorder(surface, i, run); });
+  for (std::uint32_t i = 0; i < regions.size(); ++i) {
+    for (const Run& run : regions[i].runs) growRun(surface, i, run);
   }
   std::size_t first = 0;
   for (int ring = 1; ring < std::max(1, kReach_px * surface.inverse.width_px / 640); ++ring) {
     const std::size_t end = added_.size();
-    for (; first < end; ++first) visitNeighbours(surface, added_[first].cluster, added_[first].pixel);
+    for (; first < end; ++first) {
+      const auto [region, pixel] = added_[first];
+      growRun(surface, region, {pixel, pixel + 1});
+    }
   }
-  merge(clusters);
+  merge(static_cast<std::uint32_t>(surface.inverse.width_px), regions);
 }
 
 }  // namespace voxid

@@ -16,27 +16,25 @@ class RimGrower {
  public:
   void reserve(std::size_t pixels, int width_px, int height_px);
 
-  /// Each cluster takes low pixels from its border on, a few pixels far. The clusters' pixels are ours until the next
+  /// Each region takes low pixels from its border on, a few pixels far. The regions' runs are ours until the next
   /// call.
-  void grow(const Surface& surface, const SegmentParams& params, std::vector<Cluster>& clusters);
+  void grow(const Surface& surface, const SegmentParams& params, std::vector<Region>& regions);
 
  private:
   struct Added {
-    std::uint32_t cluster, pixel;
+    std::uint32_t region, pixel;
   };
 
-  void takeClusters(const std::vector<Cluster>& clusters, const InverseDepth& inverse);
-  template <typename Block>
-  bool surrounded(std::uint32_t pixel, std::uint32_t width) const;
-  void visitBorder(const Surface& surface, std::uint32_t cluster, Run run);
-  void visitNeighbours(const Surface& surface, std::uint32_t cluster, std::uint32_t pixel);
-  void merge(std::vector<Cluster>& clusters);
+  void freeOthers(const std::vector<Region>& regions, const InverseDepth& inverse);
+  void growRun(const Surface& surface, std::uint32_t region, Run run);
+  void take(const Surface& surface, Added next, std::uint32_t from, int v);
+  void merge(std::uint32_t width, std::vector<Region>& regions);
 
   DepthStep gap_;
   AboveTable low_;
-  std::vector<std::uint8_t> taken_;  ///< by pixel
-  std::vector<Added> added_;
-  std::vector<std::uint32_t> pixels_;
+  std::vector<std::uint8_t> free_;  ///< by pixel: 1 = of no region
+  std::vector<Added> added_;        ///< by region
+  std::vector<Run> runs_;
 };
 
 }  // namespace voxid

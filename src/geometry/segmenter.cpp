@@ -68,9 +68,11 @@ struct Segmenter::Workspace {
   Joiner joiner;
   RimGrower rim;
   BoxFitter boxes;
-  std::vector<std::uint32_t> pixels;  ///< of the clusters
+  std::vector<Run> runs;  ///< of the regions
+  std::vector<Region> regions;
+  std::vector<Point2> probes;  ///< feet of a region's points
   std::vector<LeftOut> left_out;
-  std::vector<Point2> probes;  ///< feet of a cluster's points
+  std::vector<std::uint32_t> pixels;  ///< of the clusters
   std::vector<Cluster> clusters;
   Scene scene;
 
@@ -78,11 +80,13 @@ struct Segmenter::Workspace {
   void reserve(int width_px, int height_px);
   bool findTable(const DepthView& depth, const SegmentParams& params, const std::optional<Eigen::Vector3f>& up);
   void findClusters(const DepthView& depth, const SegmentParams& params);
-  void drop(DropReason reason, Span<const std::uint32_t> gone);
+  void drop(DropReason reason, const Region& gone);
   void findParts(const Surface& surface, const Camera& camera, const SegmentParams& params);
-  void takeClusters(const Surface& surface, const SegmentParams& params);
-  int shareInside_percent(const Surface& surface, Span<const std::uint32_t> probed, std::int32_t margin_um);
-  void keep(const Cluster& cluster, std::size_t most);
+  void takeRegions(const Surface& surface, const SegmentParams& params);
+  void probe(const Surface& surface, const Region& region);
+  int shareInside_percent(const Surface& surface, const Region& region, std::int32_t margin_um);
+  void keep(const Region& region, std::size_t most);
+  void measure(const Surface& surface);
 };
 
 /// All memory that an image of this size can need, whatever it shows.
@@ -99,6 +103,8 @@ void Segmenter::Workspace::reserve(int width_px, int height_px) {
   joiner.reserve(count);
   rim.reserve(count, width_px, height_px);
   boxes.reserve(count);
+  runs.reserve(count);
+  regions.reserve(kMostClusters);
   pixels.reserve(count);
   probes.reserve(2 * kOutlineProbes);
   clusters.reserve(kMostClusters);
@@ -146,13 +152,21 @@ bool Segmenter::Workspace::findTable(const DepthView& depth, const SegmentParams
   return true;
 }
 
+/// The feet on the table of evenly spaced points.
+void Segmenter::Workspace::probe(const Surface& surface, const Region& region) {
+  const std::uint32_t step = std::max<std::uint32_t>(1, region.pixels / kOutlineProbes);
+  probes.clear();
+  std::uint32_t next = step / 2;  // counted from the run's first pixel
+  for (const Run& run : region.runs) {
+    for (; next < run.size(); next += step) probes.push_back(plan.project(surface.point(run.begin + next)));
+    next -= run.size();
+  }
+}
+
 /// Share of points whose feet on the table lie inside the widened outline, from evenly spaced ones. The outline is
 /// convex: if it holds the corners of a rectangle around the feet, it holds them all.
-int Segmenter::Workspace::shareInside_percent(const Surface& surface, Span<const std::uint32_t> probed,
-                                              std::int32_t margin_um) {
-  const std::size_t step = std::max<std::size_t>(1, probed.size / kOutlineProbes);
-  probes.clear();
-  for (std::size_t i = step / 2; i < probed.size; i += step) probes.push_back(plan.project(surface.point(probed[i])));
+int Segmenter::Workspace::shareInside_percent(const Surface& surface, const Region& region, std::int32_t margin_um) {
+  probe(surface, region);
   const auto isInside = [&](const Point2& foot) { return outline.contains(foot, margin_um); };
   const auto corners = cornersAround({probes.data(), probes.size()});
   if (std::all_of(corners.begin(), corners.end(), isInside)) return 100;
@@ -160,9 +174,9 @@ int Segmenter::Workspace::shareInside_percent(const Surface& surface, Span<const
                           static_cast<std::ptrdiff_t>(probes.size()));
 }
 
-void Segmenter::Workspace::drop(DropReason reason, Span<const std::uint32_t> gone) {
+void Segmenter::Workspace::drop(DropReason reason, const Region& gone) {
   ++scene.dropped[static_cast<std::size_t>(reason)];
-  const LeftOut cluster{reason, static_cast<std::uint32_t>(gone.size), pixelBoxOf(gone, inverse.width_px)};
+  const LeftOut cluster{reason, gone.pixels, pixelBoxOf(gone.runs, inverse.width_px)};
   if (left_out.size() < kMostLeftOut) {
     left_out.push_back(cluster);
     return;
@@ -173,18 +187,18 @@ void Segmenter::Workspace::drop(DropReason reason, Span<const std::uint32_t> gon
 }
 
 /// Past the limit the smallest makes room; of equal ones the later. The limit bounds the work a group costs.
-void Segmenter::Workspace::keep(const Cluster& cluster, std::size_t most) {
-  const auto goesFirst = [](const Cluster& a, const Cluster& b) {
-    return a.pixels.size != b.pixels.size ? a.pixels.size < b.pixels.size : a.pixels[0] > b.pixels[0];
+void Segmenter::Workspace::keep(const Region& region, std::size_t most) {
+  const auto goesFirst = [](const Region& a, const Region& b) {
+    return a.pixels != b.pixels ? a.pixels < b.pixels : a.runs[0].begin > b.runs[0].begin;
   };
-  if (clusters.size() >= most) {
-    const auto smallest = std::min_element(clusters.begin(), clusters.end(), goesFirst);
-    const Cluster& gone = goesFirst(cluster, *smallest) ? cluster : *smallest;
-    drop(DropReason::TooMany, gone.pixels);
-    if (&gone == &cluster) return;
-    clusters.erase(smallest);
+  if (regions.size() >= most) {
+    const auto smallest = std::min_element(regions.begin(), regions.end(), goesFirst);
+    const Region& gone = goesFirst(region, *smallest) ? region : *smallest;
+    drop(DropReason::TooMany, gone);
+    if (&gone == &region) return;
+    regions.erase(smallest);
   }
-  clusters.push_back(cluster);
+  regions.push_back(region);
 }
 
 void Segmenter::Workspace::findParts(const Surface& surface, const Camera& camera, const SegmentParams& params) {
@@ -197,43 +211,55 @@ void Segmenter::Workspace::findParts(const Surface& surface, const Camera& camer
 }
 
 /// Groups of parts that are large enough and stand on the table.
-void Segmenter::Workspace::takeClusters(const Surface& surface, const SegmentParams& params) {
+void Segmenter::Workspace::takeRegions(const Surface& surface, const SegmentParams& params) {
   constexpr int kOnTheTable_percent = 30, kMostlyInside_percent = 95;
   const std::size_t fewest = std::max<std::size_t>(scaled(params.min_cluster_pixels, inverse), 1);
   const auto most = std::min(static_cast<std::size_t>(std::max(params.max_clusters, 1)), kMostClusters);
-  pixels.clear();
+  runs.clear();
+  regions.clear();
   for (std::size_t part = 0; part < components.parts(); ++part) {
     if (!components.firstOfGroup(part)) continue;
-    const std::size_t first = pixels.size();
-    components.collect(part, pixels);
-    Cluster cluster;
-    cluster.pixels = {pixels.data() + first, pixels.size() - first};
-    if (cluster.pixels.size < fewest) {
-      drop(DropReason::TooFewPoints, cluster.pixels);
-      pixels.resize(first);
+    const std::size_t first = runs.size();
+    components.collect(part, runs);
+    Region region{{runs.data() + first, runs.size() - first}, components.pixelsInGroup(part)};
+    if (region.pixels < fewest) {
+      drop(DropReason::TooFewPoints, region);
+      runs.resize(first);
       continue;
     }
-    const int inside_percent = shareInside_percent(surface, cluster.pixels, params.outline_margin_mm * 1000);
-    cluster.truncated = inside_percent < kMostlyInside_percent;
+    const int inside_percent = shareInside_percent(surface, region, params.outline_margin_mm * 1000);
+    region.truncated = inside_percent < kMostlyInside_percent;
     if (inside_percent < kOnTheTable_percent) {
-      drop(DropReason::OutsideOutline, cluster.pixels);
+      drop(DropReason::OutsideOutline, region);
     } else {
-      keep(cluster, most);
+      keep(region, most);
     }
+  }
+}
+
+/// Each region becomes a cluster.
+void Segmenter::Workspace::measure(const Surface& surface) {
+  pixels.clear();
+  for (const Region& region : regions) {
+    Cluster cluster;
+    cluster.id = static_cast<int>(clusters.size()) + 1;
+    cluster.truncated = region.truncated;
+    const std::size_t first = pixels.size();
+    appendPixels(region.runs, pixels);
+    cluster.pixels = {pixels.data() + first, region.pixels};
+    boxes.fit(surface, region, cluster);
+    clusters.push_back(cluster);
   }
 }
 
 void Segmenter::Workspace::findClusters(const DepthView& depth, const SegmentParams& params) {
   const Surface surface{inverse, sums, rays, plan, plan_rays, scene.table.distance_m};
   findParts(surface, depth.camera, params);
-  takeClusters(surface, params);
-  std::sort(clusters.begin(), clusters.end(),
-            [](const Cluster& a, const Cluster& b) { return a.pixels[0] < b.pixels[0]; });
-  if (params.rim) rim.grow(surface, params, clusters);
-  for (Cluster& cluster : clusters) {
-    cluster.id = static_cast<int>(&cluster - clusters.data()) + 1;
-    boxes.fit(surface, cluster);
-  }
+  takeRegions(surface, params);
+  std::sort(regions.begin(), regions.end(),
+            [](const Region& a, const Region& b) { return a.runs[0].begin < b.runs[0].begin; });
+  if (params.rim) rim.grow(surface, params, regions);
+  measure(surface);
 }
 
 Segmenter::Segmenter() : workspace_(std::make_unique<Workspace>()) {}

@@ -2,37 +2,14 @@
 // The depth image of a frame with its table, as the steps after the table see it.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 
 #include "inverse_depth.h"
 #include "plan.h"
 #include "plane.h"
-#include "voxid/core/span.h"
+#include "runs.h"
 
 namespace voxid {
-
-/// Pixels side by side in a row: the indices (row * width + column) from begin up to, not including, end.
-struct Run {
-  std::uint32_t begin, end;
-};
-
-/// visit(run) for the runs of ascending pixels, in images of that width.
-template <typename Visit>
-void visitRuns(Span<const std::uint32_t> pixels, std::uint32_t width, Visit visit) {
-  // Runs are long: as pixels ascend, one far pixel in its place tells of all before.
-  constexpr std::size_t kStride = 16;
-  for (std::size_t i = 0; i < pixels.size;) {
-    const std::uint32_t begin = pixels[i];
-    const std::size_t most = std::min<std::size_t>(pixels.size - i, width - begin % width);
-    const auto continues = [&](std::size_t k) { return k < most && pixels[i + k] == begin + k; };
-    std::size_t last = 0;
-    while (continues(last + kStride)) last += kStride;
-    for (std::size_t step = kStride / 2; step > 0; step /= 2) last += continues(last + step) ? step : 0;
-    visit(Run{begin, pixels[i + last] + 1});
-    i += last + 1;
-  }
-}
 
 struct Surface {
   const InverseDepth& inverse;

@@ -113,8 +113,10 @@ std::set<std::vector<std::uint32_t>> partsOf(const Surface& surface, const Segme
   components.find(surface, params);
   std::set<std::vector<std::uint32_t>> parts;
   for (std::size_t part = 0; part < components.parts(); ++part) {
+    std::vector<Run> runs;
     std::vector<std::uint32_t> pixels;
-    components.collect(part, pixels);
+    components.collect(part, runs);
+    appendPixels({runs.data(), runs.size()}, pixels);
     EXPECT_EQ(pixels.size(), components.pixelsIn(part));
     parts.insert(pixels);
   }

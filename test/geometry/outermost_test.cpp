@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the fast paths over runs and hulls leave out must not matter.
+// What the fast path over hulls leaves out must not matter.
 #include "outermost.h"
 
 #include <gtest/gtest.h>
@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <random>
 #include <vector>
-
-#include "surface.h"
 
 namespace voxid {
 namespace {
@@ -65,32 +63,6 @@ TEST(Outermost, OfFewPointsOrALineIsAllThatMatters) {
     EXPECT_EQ(hullOf(outermostOf(points)), hullOf(points));
   }
   EXPECT_TRUE(outermostOf({}).empty());
-}
-
-std::vector<std::pair<std::uint32_t, std::uint32_t>> runsOf(const std::vector<std::uint32_t>& pixels,
-                                                            std::uint32_t width) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> runs;
-  visitRuns({pixels.data(), pixels.size()}, width, [&](Run run) { runs.emplace_back(run.begin, run.end); });
-  return runs;
-}
-
-TEST(Runs, AreThoseFoundPixelByPixel) {
-  constexpr std::uint32_t kWidth = 50, kPixels = 2000;
-  std::mt19937 random(11);
-  for (const unsigned gaps_per_256 : {0u, 2u, 20u, 200u}) {
-    std::vector<std::uint32_t> pixels;
-    for (std::uint32_t pixel = 0; pixel < kPixels; ++pixel) {
-      if (random() % 256 >= gaps_per_256) pixels.push_back(pixel);
-    }
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> expected;
-    for (const std::uint32_t pixel : pixels) {
-      if (!expected.empty() && expected.back().second == pixel && pixel % kWidth != 0)
-        ++expected.back().second;
-      else
-        expected.emplace_back(pixel, pixel + 1);
-    }
-    EXPECT_EQ(runsOf(pixels, kWidth), expected);
-  }
 }
 
 }  // namespace

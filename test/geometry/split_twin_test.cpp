@@ -62,8 +62,10 @@ Parts partsOf(const Image& image, const SegmentParams& params, AnySplitter& spli
   splitter.split(prepared.surface(), image.camera, static_cast<std::size_t>(fewest), params, components);
   Parts parts;
   for (std::size_t part = 0; part < components.parts(); ++part) {
+    std::vector<Run> runs;
     std::vector<std::uint32_t> pixels;
-    components.collect(part, pixels);
+    components.collect(part, runs);
+    appendPixels({runs.data(), runs.size()}, pixels);
     parts.insert(pixels);
   }
   return parts;
