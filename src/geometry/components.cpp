@@ -71,24 +71,11 @@ void Components::linkAlongRow(const Surface& surface, std::uint32_t run) {
   if (steps > 1 && steps <= farthest_link_ && nearInSpace(surface, here, before)) unite(run, run - 1);
 }
 
-/// visit(pixel) for the pixels of a run that none of the runs from `first` to `end` covers, which are of another row,
-/// `shift` pixels before. The first of them ends behind the run's begin.
-template <typename Visit>
-void Components::visitUncovered(Run run, std::uint32_t shift, std::uint32_t first, std::uint32_t end,
-                                Visit visit) const {
-  std::uint32_t pixel = run.begin;
-  for (std::uint32_t other = first; other < end && runs_[other].begin + shift < run.end; ++other) {
-    for (; pixel < runs_[other].begin + shift; ++pixel) visit(pixel);
-    pixel = runs_[other].end + shift;
-  }
-  for (; pixel < run.end; ++pixel) visit(pixel);
-}
-
 /// The same along those of its columns that had no run one row before.
 void Components::linkAlongColumns(const Surface& surface, std::uint32_t run, int v, std::uint32_t above) {
   const auto width = static_cast<std::uint32_t>(surface.inverse.width_px), row = static_cast<std::uint32_t>(v);
-  while (above < row_ && runs_[above].end + width <= runs_[run].begin) ++above;
-  visitUncovered(runs_[run], width, above, row_, [&](std::uint32_t pixel) {
+  const Run* other = runs_.data() + above;
+  visitUncovered(runs_[run], width, other, runs_.data() + row_, [&](std::uint32_t pixel) {
     const std::uint32_t u = pixel - row * width, steps = row - last_in_column_[u];
     if (steps <= farthest_link_ && last_run_in_column_[u] != kNone &&
         nearInSpace(surface, pixel, pixel - steps * width)) {
@@ -99,11 +86,10 @@ void Components::linkAlongColumns(const Surface& surface, std::uint32_t run, int
 
 /// Notes the columns in which runs of the row before v end.
 void Components::endColumns(std::uint32_t width, int v) {
-  const std::uint32_t row_above = static_cast<std::uint32_t>(v) - 1, runs = static_cast<std::uint32_t>(runs_.size());
-  std::uint32_t below = row_;
+  const std::uint32_t row_above = static_cast<std::uint32_t>(v) - 1;
+  const Run *other = runs_.data() + row_, *const end = runs_.data() + runs_.size();
   for (std::uint32_t run = row_above_; run < row_; ++run) {
-    while (below < runs && runs_[below].end - width <= runs_[run].begin) ++below;
-    visitUncovered(runs_[run], 0 - width, below, runs, [&](std::uint32_t pixel) {
+    visitUncovered(runs_[run], -static_cast<std::int64_t>(width), other, end, [&](std::uint32_t pixel) {
       last_in_column_[pixel - row_above * width] = row_above;
       last_run_in_column_[pixel - row_above * width] = run;
     });

@@ -50,8 +50,6 @@ class Components {
   void linkAlongRow(const Surface& surface, std::uint32_t run);
   void linkAlongColumns(const Surface& surface, std::uint32_t run, int v, std::uint32_t above);
   void endColumns(std::uint32_t width, int v);
-  template <typename Visit>
-  void visitUncovered(Run run, std::uint32_t shift, std::uint32_t first, std::uint32_t end, Visit visit) const;
   bool touch(const Surface& surface, Run lower, Run upper) const;
   bool nearInSpace(const Surface& surface, std::uint32_t a, std::uint32_t b) const;
   std::uint32_t rootOf(std::uint32_t run);

@@ -5,8 +5,6 @@
 #include <cstring>
 #include <limits>
 
-#include "flags.h"
-
 namespace voxid {
 namespace {
 
@@ -17,13 +15,13 @@ constexpr int kMarginShare_percent = 30;  // of min_margin_per_km
 
 void RimGrower::reserve(std::size_t pixels, int width_px, int height_px) {
   low_.reserve(width_px, height_px);
-  free_.reserve(pixels + kFlagsAtOnce);
+  free_.reserve(pixels);
   added_.reserve(pixels);
   runs_.reserve(pixels);
 }
 
 void RimGrower::freeOthers(const std::vector<Region>& regions, const InverseDepth& inverse) {
-  free_.assign(inverse.values.size() + kFlagsAtOnce, 1);
+  free_.assign(inverse.values.size(), 1);
   for (const Region& region : regions) {
     for (const Run& run : region.runs) std::memset(free_.data() + run.begin, 0, run.size());
   }
@@ -39,22 +37,27 @@ void RimGrower::take(const Surface& surface, Added next, std::uint32_t from, int
   added_.push_back(next);
 }
 
-/// To the left and right of a run, and above and below each of its pixels.
-void RimGrower::growRun(const Surface& surface, std::uint32_t region, Run run) {
+/// To the left and right of ascending runs, and above and below.
+void RimGrower::growRuns(const Surface& surface, std::uint32_t region, Span<const Run> runs) {
   const auto width = static_cast<std::uint32_t>(surface.inverse.width_px);
-  const int v = surface.row(run.begin);
-  const std::uint32_t row_begin = static_cast<std::uint32_t>(v) * width;
-  if (run.begin > row_begin && free_[run.begin - 1]) take(surface, {region, run.begin - 1}, run.begin, v);
-  if (run.end < row_begin + width && free_[run.end]) take(surface, {region, run.end}, run.end - 1, v);
-  const auto takeInRow = [&](int next_v, std::uint32_t shift) {  // shift: modulo 2^32
-    if (next_v < 0 || next_v >= surface.inverse.height_px) return;
-    visitSet(free_.data(), run.begin + shift, run.end + shift, [&](std::size_t next) {
-      const auto pixel = static_cast<std::uint32_t>(next);
-      take(surface, {region, pixel}, pixel - shift, next_v);
-    });
-  };
-  takeInRow(v - 1, 0 - width);
-  takeInRow(v + 1, width);
+  const Run *above = runs.begin(), *below = runs.begin();
+  for (const Run& run : runs) {
+    const int v = surface.row(run.begin);
+    const std::uint32_t row_begin = static_cast<std::uint32_t>(v) * width;
+    const auto takeBeside = [&](std::uint32_t from, std::uint32_t next, int next_v) {
+      if (free_[next]) take(surface, {region, next}, from, next_v);
+    };
+    if (run.begin > row_begin) takeBeside(run.begin, run.begin - 1, v);
+    if (run.end < row_begin + width) takeBeside(run.end - 1, run.end, v);
+    if (v > 0) {
+      visitUncovered(run, width, above, runs.end(),
+                     [&](std::uint32_t pixel) { takeBeside(pixel, pixel - width, v - 1); });
+    }
+    if (v + 1 < surface.inverse.height_px) {
+      visitUncovered(run, -static_cast<std::int64_t>(width), below, runs.end(),
+                     [&](std::uint32_t pixel) { takeBeside(pixel, pixel + width, v + 1); });
+    }
+  }
 }
 
 /// Both lists ascend within a region.
@@ -93,15 +96,13 @@ void RimGrower::grow(const Surface& surface, const SegmentParams& params, std::v
            params.min_margin_per_km * kMarginShare_percent / 100);
   freeOthers(regions, surface.inverse);
   added_.clear();
-  for (std::uint32_t i = 0; i < regions.size(); ++i) {
-    for (const Run& run : regions[i].runs) growRun(surface, i, run);
-  }
+  for (std::uint32_t i = 0; i < regions.size(); ++i) growRuns(surface, i, regions[i].runs);
   std::size_t first = 0;
   for (int ring = 1; ring < std::max(1, kReach_px * surface.inverse.width_px / 640); ++ring) {
     const std::size_t end = added_.size();
     for (; first < end; ++first) {
-      const auto [region, pixel] = added_[first];
-      growRun(surface, region, {pixel, pixel + 1});
+      const Run run{added_[first].pixel, added_[first].pixel + 1};
+      growRuns(surface, added_[first].region, {&run, 1});
     }
   }
   merge(static_cast<std::uint32_t>(surface.inverse.width_px), regions);

@@ -26,7 +26,7 @@ class RimGrower {
   };
 
   void freeOthers(const std::vector<Region>& regions, const InverseDepth& inverse);
-  void growRun(const Surface& surface, std::uint32_t region, Run run);
+  void growRuns(const Surface& surface, std::uint32_t region, Span<const Run> runs);
   void take(const Surface& surface, Added next, std::uint32_t from, int v);
   void merge(std::uint32_t width, std::vector<Region>& regions);
 
