@@ -10,7 +10,6 @@
 
 #include "../core/vectorised.h"
 #include "box.h"
-#include "flags.h"
 
 namespace voxid {
 namespace {
@@ -40,20 +39,27 @@ std::int32_t inverseOf(std::int32_t depth_um) {
 /// Of the image's lines every second one is looked at, from 640 columns on.
 int lineStep(int width_px) { return std::max(1, width_px / 320); }
 
-/// Inverse depths at which a piece faces a pixel: found when they are first asked for, as most pixels face none.
-class Facing {
- public:
-  bool within(std::int32_t own, std::int32_t value) {
-    if (nearest_ == 0) {
-      nearest_ = inverseOf(depthUmOf(own) - kDepthsWithin_um);
-      farthest_ = inverseOf(depthUmOf(own) + kDepthsWithin_um);
-    }
-    return value >= farthest_ && value <= nearest_;
-  }
+SearchEnd endOfSearch(int own, std::int32_t own_um, std::int32_t least) {
+  return {own, inverseOf(own_um + kDepthsWithin_um), inverseOf(own_um - kDepthsWithin_um), least};
+}
 
- private:
-  std::int32_t nearest_ = 0, farthest_ = 0;
-};
+constexpr int kPassedAtOnce = 32;
+
+/// Whether none of kPassedAtOnce pixels ends the search. If so, `between` takes in their least inverse depth.
+VOXID_VECTORISED bool allPass(const std::int32_t* values, const std::uint8_t* pieces, const SearchEnd& end,
+                              std::int32_t& between) {
+  const SearchEnd e = end;
+  std::int32_t ends = 0;
+  std::uint32_t before_least = static_cast<std::uint32_t>(between) - 1;  // missing depth is the largest of these
+  for (int i = 0; i < kPassedAtOnce; ++i) {
+    const std::int32_t piece = pieces[i], value = values[i];
+    ends |= static_cast<std::int32_t>(e.isOwn(piece)) | static_cast<std::int32_t>(e.isFaced(piece, value)) |
+            static_cast<std::int32_t>(e.isBehind(value));
+    before_least = std::min(before_least, static_cast<std::uint32_t>(value) - 1);
+  }
+  if (ends == 0) between = static_cast<std::int32_t>(before_least + 1);
+  return ends == 0;
+}
 
 /// Makes micrometres whole millimetres, at most kHighest_mm.
 VOXID_VECTORISED void toMillimetres(std::int32_t* heights, std::size_t count) {
@@ -163,33 +169,38 @@ void Joiner::takePieces(const Surface& surface, std::size_t fewest, const Compon
   }
 }
 
-/// The piece that a line's pixel faces. passes(value): whether what lies between may have that inverse depth; otherwise
-/// the search ends.
-template <typename Passes>
-Joiner::Faced Joiner::facedBack(const InverseDepth& inverse, const Line& line, Passes passes) const {
-  const int here = piece_[line.pixel];
-  Facing facing;
-  for (int k = 1; k <= line.farthest_px; ++k) {
+/// The piece that a line's pixel faces. Along a row many pixels are passed at once.
+Joiner::Faced Joiner::facedBack(const InverseDepth& inverse, const Line& line, const SearchEnd& end) const {
+  std::int32_t between = inverseOf(1000);
+  int k = 1;
+  if (line.stride == 1) {
+    const auto farthestOf = [&](int first) { return line.pixel - static_cast<std::size_t>(first + kPassedAtOnce - 1); };
+    while (k + kPassedAtOnce - 1 <= line.farthest_px &&
+           allPass(inverse.values.data() + farthestOf(k), piece_.data() + farthestOf(k), end, between)) {
+      k += kPassedAtOnce;
+    }
+  }
+  for (; k <= line.farthest_px; ++k) {
     const std::size_t p = line.pixel - static_cast<std::size_t>(k) * line.stride;
     const std::int32_t value = inverse.values[p];
-    if (piece_[p] == here) return {};
-    if (piece_[p] != 0 && facing.within(inverse.values[line.pixel], value)) return {piece_[p], k, value};
-    if (value > 0 && !passes(value)) return {};
+    if (end.isOwn(piece_[p])) return {};
+    if (end.isFaced(piece_[p], value)) return {piece_[p], k, value, between};
+    if (end.isBehind(value)) return {};
+    if (value > 0) between = std::min(between, value);
   }
   return {};
 }
 
 /// Counts a line that faces a piece with nothing but missing or nearer depth in between.
 void Joiner::countHidden(const InverseDepth& inverse, const Line& line) {
-  const std::int32_t own_um = depthUmOf(inverse.values[line.pixel]), nearer = inverseOf(own_um - kNearer_um);
-  std::int32_t between = inverseOf(1000);  // the farthest depth seen between the two
-  const Faced faced = facedBack(inverse, line, [&](std::int32_t value) {
-    between = std::min(between, value);
-    return between >= nearer;
-  });
+  const int own = piece_[line.pixel], next = piece_[line.pixel - line.stride];
+  const std::int32_t value = inverse.values[line.pixel], next_value = inverse.values[line.pixel - line.stride];
+  if (next == own || (next == 0 && next_value > 0 && next_value <= value)) return;  // most lines end at once
+  const std::int32_t own_um = depthUmOf(value);
+  const Faced faced = facedBack(inverse, line, endOfSearch(own, own_um, inverseOf(own_um - kNearer_um)));
   if (faced.piece == 0 || faced.steps == 1) return;
-  if (between >= inverseOf(std::min(own_um, depthUmOf(faced.value)) - kNearer_um))
-    ++linesOf(piece_[line.pixel], faced.piece).hidden;
+  if (faced.between >= inverseOf(std::min(own_um, depthUmOf(faced.value)) - kNearer_um))
+    ++linesOf(own, faced.piece).hidden;
 }
 
 /// visit(line) for the lines that may face another piece: to the left where the pieces' runs begin, and up where the
@@ -205,30 +216,16 @@ void Joiner::visitLines(const Surface& surface, const Camera& camera, Span<const
     return gap_px < most ? static_cast<int>(gap_px) : most;
   };
   const int step = lineStep(inverse.width_px);
+  const Run* above = runs.begin();
   for (const Run& run : runs) {
     const int row = surface.row(run.begin), column = static_cast<int>(run.begin) - row * inverse.width_px;
     if (column > 0 && row % step == 0) visit(Line{run.begin, 1, farthest(columns_per_unit, run.begin, column)});
     if (row == 0) continue;
-    const std::size_t first = run.begin + static_cast<std::size_t>(column % step);
-    visitTop({static_cast<std::uint32_t>(first), run.end}, inverse.width_px, step, [&](std::size_t pixel) {
-      visit(Line{pixel, width, farthest(rows_per_unit, pixel, row)});
+    const std::uint32_t first = run.begin + static_cast<std::uint32_t>(column % step);
+    visitUncovered(run, inverse.width_px, above, runs.end(), [&](std::uint32_t pixel) {
+      if (pixel >= first && (pixel - first) % static_cast<std::uint32_t>(step) == 0)
+        visit(Line{pixel, width, farthest(rows_per_unit, pixel, row)});
     });
-  }
-}
-
-/// visit(pixel) for every step-th pixel of a run, from the first on, that has another piece above it, or none.
-template <typename Visit>
-void Joiner::visitTop(Run run, int width_px, int step, Visit visit) const {
-  const auto width = static_cast<std::size_t>(width_px), stride = static_cast<std::size_t>(step);
-  const std::size_t at_once = (8 + stride - 1) / stride * stride;
-  const std::uint8_t* const piece = piece_.data();
-  for (std::size_t pixel = run.begin; pixel < run.end;) {
-    if (pixel + 8 <= run.end && eightAt(piece + pixel) == eightAt(piece + pixel - width)) {
-      pixel += at_once;
-      continue;
-    }
-    if (piece[pixel] != piece[pixel - width]) visit(pixel);
-    pixel += stride;
   }
 }
 
@@ -262,7 +259,9 @@ int Joiner::linesFacing(int from, int to, const Surface& surface, const Camera& 
   int facing = 0;
   visitLines(surface, camera, components.runsOf(piece(from).part), [&](Line line) {
     line.farthest_px = lengthInto(box, line, surface.inverse.width_px);
-    facing += facedBack(surface.inverse, line, [](std::int32_t) { return true; }).piece == to;
+    if (line.farthest_px == 0) return;
+    const std::int32_t own_um = depthUmOf(surface.inverse.values[line.pixel]);
+    facing += facedBack(surface.inverse, line, endOfSearch(from, own_um, 0)).piece == to;
   });
   return facing;
 }

@@ -11,6 +11,17 @@
 
 namespace voxid {
 
+/// What ends a search that begins at a pixel of the piece `own`.
+struct SearchEnd {
+  int own;
+  std::int32_t farthest, nearest;  ///< inverse depths at which another piece faces the pixel
+  std::int32_t least;              ///< all between must be nearer than that inverse depth; 0 = whatever lies between
+
+  bool isOwn(int piece) const { return piece == own; }
+  bool isFaced(int piece, std::int32_t value) const { return (piece != 0) & (value >= farthest) & (value <= nearest); }
+  bool isBehind(std::int32_t value) const { return (value > 0) & (value < least); }
+};
+
 class Joiner {
  public:
   Joiner();
@@ -39,15 +50,13 @@ class Joiner {
   struct Faced {
     int piece = 0, steps = 0;  ///< 0 = none
     std::int32_t value = 0;
+    std::int32_t between = 0;  ///< least inverse depth between the two
   };
 
   void takePieces(const Surface& surface, std::size_t fewest, const Components& components);
   template <typename Visit>
   void visitLines(const Surface& surface, const Camera& camera, Span<const Run> runs, Visit visit) const;
-  template <typename Visit>
-  void visitTop(Run run, int width_px, int step, Visit visit) const;
-  template <typename Passes>
-  Faced facedBack(const InverseDepth& inverse, const Line& line, Passes passes) const;
+  Faced facedBack(const InverseDepth& inverse, const Line& line, const SearchEnd& end) const;
   void countHidden(const InverseDepth& inverse, const Line& line);
   void countTouching(const InverseDepth& inverse, std::size_t pixel);
   Piece& piece(int i) { return pieces_[static_cast<std::size_t>(i)]; }
