@@ -97,11 +97,4 @@ void AboveTable::mark(const std::int32_t* values, int v, int width_px, DepthStep
           width_px, gap, states);
 }
 
-bool AboveTable::contains(std::int32_t value, int u, int v) const {
-  const auto column = static_cast<std::size_t>(u), row = static_cast<std::size_t>(v);
-  return value > 0 && value > margin_.columns[column] + margin_.rows[row] &&
-         value > lowest_.columns[column] + lowest_.rows[row] &&
-         sign_ * value <= highest_.columns[column] + highest_.rows[row];
-}
-
 }  // namespace voxid

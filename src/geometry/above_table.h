@@ -20,7 +20,12 @@ class AboveTable {
   /// Of each pixel of a row: 0 = not above, 1 = above, 2 = above and within `gap` of the pixel on its left, which is
   /// too.
   void mark(const std::int32_t* values, int v, int width_px, DepthStep gap, std::uint8_t* states) const;
-  bool contains(std::int32_t value, int u, int v) const;
+  bool contains(std::int32_t value, int u, int v) const {
+    const auto column = static_cast<std::size_t>(u), row = static_cast<std::size_t>(v);
+    return value > 0 && value > margin_.columns[column] + margin_.rows[row] &&
+           value > lowest_.columns[column] + lowest_.rows[row] &&
+           sign_ * value <= highest_.columns[column] + highest_.rows[row];
+  }
 
  private:
   PlaneSums margin_, lowest_, highest_;  ///< inverse depths that a pixel has to exceed, and not to exceed

@@ -75,11 +75,13 @@ void Components::linkAlongRow(const Surface& surface, std::uint32_t run) {
 void Components::linkAlongColumns(const Surface& surface, std::uint32_t run, int v, std::uint32_t above) {
   const auto width = static_cast<std::uint32_t>(surface.inverse.width_px), row = static_cast<std::uint32_t>(v);
   const Run* other = runs_.data() + above;
-  visitUncovered(runs_[run], width, other, runs_.data() + row_, [&](std::uint32_t pixel) {
-    const std::uint32_t u = pixel - row * width, steps = row - last_in_column_[u];
-    if (steps <= farthest_link_ && last_run_in_column_[u] != kNone &&
-        nearInSpace(surface, pixel, pixel - steps * width)) {
-      unite(run, last_run_in_column_[u]);
+  visitUncovered(runs_[run], width, other, runs_.data() + row_, [&](std::uint32_t begin, std::uint32_t end) {
+    for (std::uint32_t pixel = begin; pixel < end; ++pixel) {
+      const std::uint32_t u = pixel - row * width, steps = row - last_in_column_[u];
+      if (steps <= farthest_link_ && last_run_in_column_[u] != kNone &&
+          nearInSpace(surface, pixel, pixel - steps * width)) {
+        unite(run, last_run_in_column_[u]);
+      }
     }
   });
 }
@@ -87,12 +89,14 @@ void Components::linkAlongColumns(const Surface& surface, std::uint32_t run, int
 /// Notes the columns in which runs of the row before v end.
 void Components::endColumns(std::uint32_t width, int v) {
   const std::uint32_t row_above = static_cast<std::uint32_t>(v) - 1;
-  const Run *other = runs_.data() + row_, *const end = runs_.data() + runs_.size();
+  const Run *other = runs_.data() + row_, *const others_end = runs_.data() + runs_.size();
   for (std::uint32_t run = row_above_; run < row_; ++run) {
-    visitUncovered(runs_[run], -static_cast<std::int64_t>(width), other, end, [&](std::uint32_t pixel) {
-      last_in_column_[pixel - row_above * width] = row_above;
-      last_run_in_column_[pixel - row_above * width] = run;
-    });
+    visitUncovered(runs_[run], -static_cast<std::int64_t>(width), other, others_end,
+                   [&](std::uint32_t begin, std::uint32_t end) {
+                     const std::uint32_t u = begin - row_above * width, count = end - begin;
+                     std::fill_n(last_in_column_.begin() + u, count, row_above);
+                     std::fill_n(last_run_in_column_.begin() + u, count, run);
+                   });
   }
 }
 

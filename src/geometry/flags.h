@@ -35,11 +35,11 @@ void visitSet(const std::uint8_t* flags, std::size_t first, std::size_t end, Vis
 /// A state: hangs together with the one before.
 constexpr std::uint8_t kLinked = 2;
 
-/// The first index from i on whose state is not kLinked.
-inline std::size_t endOfLinked(const std::uint8_t* states, std::size_t i) {
-  constexpr std::uint64_t kEightLinked = kLinked * std::uint64_t{0x0101010101010101};
+/// The first index from i on at which there is another byte; there must be one.
+inline std::size_t endOf(std::uint8_t byte, const std::uint8_t* bytes, std::size_t i) {
+  const std::uint64_t eight = byte * std::uint64_t{0x0101010101010101};
   for (;; i += kFlagsAtOnce) {
-    const std::uint64_t other = eightAt(states + i) ^ kEightLinked;
+    const std::uint64_t other = eightAt(bytes + i) ^ eight;
     if (other != 0) return i + firstSet(other);
   }
 }
@@ -55,7 +55,7 @@ void visitLinked(const std::uint8_t* states, std::size_t first, std::size_t last
       continue;
     }
     const std::size_t begin = i + firstSet(eight);
-    i = endOfLinked(states, begin + 1);
+    i = endOf(kLinked, states, begin + 1);
     visit(begin, i);
   }
 }

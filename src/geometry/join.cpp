@@ -36,6 +36,11 @@ std::int32_t inverseOf(std::int32_t depth_um) {
   return static_cast<std::int32_t>(kUnitsTimesUm / std::max(depth_um, 1000) + 0.5);
 }
 
+std::uint32_t roundedUp(std::uint32_t value, int step) {
+  const auto unit = static_cast<std::uint32_t>(step);
+  return (value + unit - 1) / unit * unit;
+}
+
 /// Of the image's lines every second one is looked at, from 640 columns on.
 int lineStep(int width_px) { return std::max(1, width_px / 320); }
 
@@ -222,8 +227,9 @@ void Joiner::visitLines(const Surface& surface, const Camera& camera, Span<const
     if (column > 0 && row % step == 0) visit(Line{run.begin, 1, farthest(columns_per_unit, run.begin, column)});
     if (row == 0) continue;
     const std::uint32_t first = run.begin + static_cast<std::uint32_t>(column % step);
-    visitUncovered(run, inverse.width_px, above, runs.end(), [&](std::uint32_t pixel) {
-      if (pixel >= first && (pixel - first) % static_cast<std::uint32_t>(step) == 0)
+    visitUncovered(run, inverse.width_px, above, runs.end(), [&](std::uint32_t begin, std::uint32_t end) {
+      std::uint32_t pixel = begin <= first ? first : first + roundedUp(begin - first, step);
+      for (; pixel < end; pixel += static_cast<std::uint32_t>(step))
         visit(Line{pixel, width, farthest(rows_per_unit, pixel, row)});
     });
   }

@@ -50,12 +50,15 @@ void RimGrower::growRuns(const Surface& surface, std::uint32_t region, Span<cons
     if (run.begin > row_begin) takeBeside(run.begin, run.begin - 1, v);
     if (run.end < row_begin + width) takeBeside(run.end - 1, run.end, v);
     if (v > 0) {
-      visitUncovered(run, width, above, runs.end(),
-                     [&](std::uint32_t pixel) { takeBeside(pixel, pixel - width, v - 1); });
+      visitUncovered(run, width, above, runs.end(), [&](std::uint32_t begin, std::uint32_t end) {
+        for (std::uint32_t pixel = begin; pixel < end; ++pixel) takeBeside(pixel, pixel - width, v - 1);
+      });
     }
     if (v + 1 < surface.inverse.height_px) {
       visitUncovered(run, -static_cast<std::int64_t>(width), below, runs.end(),
-                     [&](std::uint32_t pixel) { takeBeside(pixel, pixel + width, v + 1); });
+                     [&](std::uint32_t begin, std::uint32_t end) {
+                       for (std::uint32_t pixel = begin; pixel < end; ++pixel) takeBeside(pixel, pixel + width, v + 1);
+                     });
     }
   }
 }

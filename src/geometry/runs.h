@@ -24,25 +24,30 @@ struct Region {
   bool truncated = false;    ///< reaches over the table's outline
 };
 
-/// visit(pixel) for the pixels of a run whose counterparts, `shift` pixels before them (after them if negative), are in
-/// none of the ascending runs from `other` to `end`. Moves `other` on to the first that can matter to a later run.
+/// visit(begin, end) for the stretches of a run whose pixels' counterparts, `shift` pixels before them (after them if
+/// negative), are in none of the ascending runs from `other` to `others_end`. Moves `other` on to the first that can
+/// matter to a later run.
 template <typename Visit>
-void visitUncovered(Run run, std::int64_t shift, const Run*& other, const Run* end, Visit visit) {
-  while (other != end && other->end + shift <= run.begin) ++other;
-  std::int64_t pixel = run.begin;
-  for (const Run* next = other; next != end && next->begin + shift < run.end; ++next) {
-    for (; pixel < next->begin + shift; ++pixel) visit(static_cast<std::uint32_t>(pixel));
-    pixel = next->end + shift;
+void visitUncovered(Run run, std::int64_t shift, const Run*& other, const Run* others_end, Visit visit) {
+  while (other != others_end && other->end + shift <= run.begin) ++other;
+  std::int64_t begin = run.begin;
+  const auto visitUpTo = [&](std::int64_t end) {
+    if (begin < end) visit(static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end));
+  };
+  for (const Run* next = other; next != others_end && next->begin + shift < run.end; ++next) {
+    visitUpTo(next->begin + shift);
+    begin = next->end + shift;
   }
-  for (; pixel < run.end; ++pixel) visit(static_cast<std::uint32_t>(pixel));
+  visitUpTo(run.end);
 }
 
-inline void appendPixels(Span<const Run> runs, std::vector<std::uint32_t>& pixels) {
+/// Lists the pixels of the runs; returns the end of the list.
+inline std::uint32_t* listPixels(Span<const Run> runs, std::uint32_t* list) {
   for (const Run& run : runs) {
-    const std::size_t first = pixels.size();
-    pixels.resize(first + run.size());
-    std::iota(pixels.begin() + static_cast<std::ptrdiff_t>(first), pixels.end(), run.begin);
+    std::iota(list, list + run.size(), run.begin);
+    list += run.size();
   }
+  return list;
 }
 
 }  // namespace voxid

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <vector>
 
 #include "box.h"
@@ -72,7 +73,7 @@ struct Segmenter::Workspace {
   std::vector<Region> regions;
   std::vector<Point2> probes;  ///< feet of a region's points
   std::vector<LeftOut> left_out;
-  std::vector<std::uint32_t> pixels;  ///< of the clusters
+  std::vector<std::uint32_t> pixels;  ///< of the clusters; as long as it ever had to be
   std::vector<Cluster> clusters;
   Scene scene;
 
@@ -158,7 +159,9 @@ void Segmenter::Workspace::probe(const Surface& surface, const Region& region) {
   probes.clear();
   std::uint32_t next = step / 2;  // counted from the run's first pixel
   for (const Run& run : region.runs) {
-    for (; next < run.size(); next += step) probes.push_back(plan.project(surface.point(run.begin + next)));
+    const int v = surface.row(run.begin), u = static_cast<int>(run.begin) - v * inverse.width_px;
+    for (; next < run.size(); next += step)
+      probes.push_back(plan.project(surface.pointAt(u + static_cast<int>(next), v, run.begin + next)));
     next -= run.size();
   }
 }
@@ -239,14 +242,16 @@ void Segmenter::Workspace::takeRegions(const Surface& surface, const SegmentPara
 
 /// Each region becomes a cluster.
 void Segmenter::Workspace::measure(const Surface& surface) {
-  pixels.clear();
+  const auto count = std::accumulate(regions.begin(), regions.end(), std::size_t{0},
+                                     [](std::size_t sum, const Region& region) { return sum + region.pixels; });
+  pixels.resize(std::max(pixels.size(), count));
+  std::uint32_t* first = pixels.data();
   for (const Region& region : regions) {
     Cluster cluster;
     cluster.id = static_cast<int>(clusters.size()) + 1;
     cluster.truncated = region.truncated;
-    const std::size_t first = pixels.size();
-    appendPixels(region.runs, pixels);
-    cluster.pixels = {pixels.data() + first, region.pixels};
+    cluster.pixels = {first, region.pixels};
+    first = listPixels(region.runs, first);
     boxes.fit(surface, region, cluster);
     clusters.push_back(cluster);
   }

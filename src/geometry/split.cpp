@@ -107,15 +107,15 @@ VOXID_VECTORISED void markBorders(const std::uint8_t* piece, std::ptrdiff_t colu
   }
 }
 
-/// 1 for cells of a piece that are beside no cell of another.
+/// The piece of each cell that is beside no cell of another, else 0.
 VOXID_VECTORISED void markInner(const std::uint8_t* piece, std::ptrdiff_t columns, std::ptrdiff_t count,
                                 std::uint8_t* inner) {
   for (std::ptrdiff_t i = 0; i < count; ++i) {
     const std::uint8_t here = piece[i], left = piece[i - 1], right = piece[i + 1], up = piece[i - columns],
                        down = piece[i + columns];
-    inner[i] =
-        static_cast<std::uint8_t>((here != 0) & ((left == here) | (left == 0)) & ((right == here) | (right == 0)) &
-                                  ((up == here) | (up == 0)) & ((down == here) | (down == 0)));
+    const bool alone = ((left == here) | (left == 0)) & ((right == here) | (right == 0)) & ((up == here) | (up == 0)) &
+                       ((down == here) | (down == 0));
+    inner[i] = static_cast<std::uint8_t>(here & -static_cast<int>(alone));
   }
 }
 
@@ -348,7 +348,7 @@ void Splitter::growPieces() {
   for (std::size_t k = 0; k < queue_.size(); ++k) {
     const std::size_t i = queue_[k];
     for (const std::size_t next : {i - 1, i + 1, i - columns_, i + columns_}) {
-      if (inverse_[next] == 0 || piece_[next] != 0) continue;
+      if (piece_[next] != 0 || inverse_[next] == 0) continue;
       piece_[next] = piece_[i];
       queue_.push_back(static_cast<std::uint32_t>(next));
     }
@@ -418,8 +418,7 @@ void Splitter::cutRun(const InverseDepth& inverse, Run run) {
     std::size_t cell = row + static_cast<std::size_t>(static_cast<int>(column) - first_column_);
     end = pixel + 1;
     if (flags_[cell]) {  // whichever of its neighbours is nearest, the piece is the same
-      std::uint32_t columns = 1;
-      while (flags_[cell + columns] && piece_[cell + columns] == piece_[cell]) ++columns;
+      const auto columns = static_cast<std::uint32_t>(endOf(piece_[cell], flags_.data(), cell) - cell);
       end = std::min(run.end, row_begin + ((column + columns) << shift_));
     } else if (!step_.within(inverse.values[pixel], inverse_[cell])) {
       cell = nearestCell(cell, inverse.values[pixel]);

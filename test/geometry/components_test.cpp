@@ -114,9 +114,9 @@ std::set<std::vector<std::uint32_t>> partsOf(const Surface& surface, const Segme
   std::set<std::vector<std::uint32_t>> parts;
   for (std::size_t part = 0; part < components.parts(); ++part) {
     std::vector<Run> runs;
-    std::vector<std::uint32_t> pixels;
     components.collect(part, runs);
-    appendPixels({runs.data(), runs.size()}, pixels);
+    std::vector<std::uint32_t> pixels(kWidth * kHeight);
+    pixels.resize(static_cast<std::size_t>(listPixels({runs.data(), runs.size()}, pixels.data()) - pixels.data()));
     EXPECT_EQ(pixels.size(), components.pixelsIn(part));
     parts.insert(pixels);
   }

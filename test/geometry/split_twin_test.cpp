@@ -63,9 +63,9 @@ Parts partsOf(const Image& image, const SegmentParams& params, AnySplitter& spli
   Parts parts;
   for (std::size_t part = 0; part < components.parts(); ++part) {
     std::vector<Run> runs;
-    std::vector<std::uint32_t> pixels;
     components.collect(part, runs);
-    appendPixels({runs.data(), runs.size()}, pixels);
+    std::vector<std::uint32_t> pixels(components.pixelsIn(part));
+    listPixels({runs.data(), runs.size()}, pixels.data());
     parts.insert(pixels);
   }
   return parts;
