@@ -4,29 +4,82 @@
 #include <cmath>
 
 #include "conversions.h"
+#include "voxid/geometry/object_memory.h"
 
 namespace voxid {
 
-void PoseBoard::show(std::uint8_t otherwise, int min_score_permille, Objects* objects, std::vector<Answer>* answers) {
+PoseBoard::Place PoseBoard::Place::of(const Object& object) {
+  return {eigenOf(object.pose.pose.position), eigenOf(object.extents_m)};
+}
+
+// A part that goes from one end of the box moves its centre by half of what the box loses.
+bool PoseBoard::Place::holds(const Place& other) const {
+  const double explained_m = (other.extents_m - extents_m).norm() / 2;
+  return (other.centre_m - centre_m).norm() <= kRest_m + explained_m;
+}
+
+// What changes slowly, as when the camera moves, is followed.
+void PoseBoard::Place::follow(const Place& seen) {
+  constexpr double kFollow = 0.25;
+  centre_m += kFollow * (seen.centre_m - centre_m);
+  extents_m += kFollow * (seen.extents_m - extents_m);
+}
+
+PoseBoard::Entry PoseBoard::Entry::begin(const Place& place, const ros::Time& now) {
+  Entry entry;
+  entry.usual = place;
+  entry.first_seen = entry.last_seen = now;
+  return entry;
+}
+
+bool PoseBoard::Entry::moved(const Place& seen, const ros::Time& now) {
+  constexpr double kMovedAfter_s = ObjectMemory::kExchangedAfter_ms / 1e3;
+  if (usual.holds(seen)) {
+    usual.follow(seen);
+    away_since = {};
+  } else if (away_since.isZero()) {
+    away_since = now;
+  }
+  return !away_since.isZero() && (now - away_since).toSec() >= kMovedAfter_s;
+}
+
+const Answer& PoseBoard::Entry::answer(const Answer& by_codes, const ros::Time& now, bool holds_label) {
+  if (found.name.count > 0) return found.name;
+  const bool held = holds_label && waits() && settled.count > 0 && (now - first_seen).toSec() > kSettledAfter_s;
+  if (!held) settled = by_codes;
+  return settled;
+}
+
+PoseBoard::Entry& PoseBoard::follow(const Object& object, const ros::Time& now) {
+  const Place place = Place::of(object);
+  const auto known = entries_.find(object.number);
+  const bool anew = known == entries_.end() || known->second.moved(place, now);
+  Entry& entry = anew ? entries_[object.number] = Entry::begin(place, now) : known->second;
+  if (!entry.aligned.holds(entry.usual)) entry.tries = 0;
+  entry.last_seen = now;
+  return entry;
+}
+
+void PoseBoard::show(const Unaligned& unaligned, int min_score_permille, Objects* objects,
+                     std::vector<Answer>* answers) {
   const ros::Time now = objects->header.stamp;
   const std::lock_guard<std::mutex> lock(mutex_);
   for (std::size_t i = 0; i < objects->objects.size(); ++i) {
     Object& object = objects->objects[i];
     if (object.number == 0) continue;
-    object.model_pose.status = otherwise;
-    const auto entry = entries_.find(object.number);
-    if (entry == entries_.end()) continue;
-    if (!entry->second.restsAt(eigenOf(object.pose.pose.position))) {
-      entries_.erase(entry);
-      continue;
-    }
-    entry->second.last_seen = now;
-    const AlignedObject& found = entry->second.found;
-    object.model_pose = found.pose;
-    if (found.name.count == 0 || i >= answers->size()) continue;
-    (*answers)[i] = found.name;
-    (*answers)[i].known = found.name.score_permille >= min_score_permille;
+    Entry& entry = follow(object, now);
+    const bool posed = entry.tries > 0 && entry.away_since.isZero();
+    if (posed) object.model_pose = entry.found.pose;
+    if (!posed) object.model_pose.status = unaligned.status;
+    if (i >= answers->size()) continue;
+    Answer& answer = (*answers)[i];
+    answer = entry.answer(answer, now, unaligned.holds_label);
+    answer.known = answer.count > 0 && answer.score_permille >= min_score_permille;
   }
+  forgetGone(now);
+}
+
+void PoseBoard::forgetGone(const ros::Time& now) {
   for (auto entry = entries_.begin(); entry != entries_.end();) {
     const bool gone = std::abs((now - entry->second.last_seen).toSec()) > kKeep_s;
     entry = gone ? entries_.erase(entry) : std::next(entry);
@@ -42,8 +95,10 @@ std::optional<std::size_t> PoseBoard::next(const Objects& objects) const {
     const auto found = entries_.find(object.number);
     if (found == entries_.end()) return i;
     const Entry& entry = found->second;
+    if (!entry.usual.holds(Place::of(object))) continue;
+    if (entry.tries == 0) return i;
     const bool due = (objects.header.stamp - entry.last_try).toSec() >= kApart_s;
-    if (!again && due && entry.tries < kMostTries && entry.restsAt(eigenOf(object.pose.pose.position))) again = i;
+    if (!again && due && entry.tries < kMostTries) again = i;
   }
   return again;
 }
@@ -52,24 +107,24 @@ std::optional<std::uint32_t> PoseBoard::categoryOf(const Object& object) const {
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto entry = entries_.find(object.number);
   if (entry == entries_.end() || entry->second.found.name.count == 0) return {};
-  if (!entry->second.restsAt(eigenOf(object.pose.pose.position))) return {};
+  if (!entry->second.usual.holds(Place::of(object))) return {};
   return entry->second.found.name.alternatives[0].category;
 }
 
 void PoseBoard::put(const Object& object, const ros::Time& stamp, const AlignedObject& found) {
   if (object.number == 0) return;
   const std::lock_guard<std::mutex> lock(mutex_);
-  Entry& entry = entries_[object.number];
-  const Eigen::Vector3d position_m = eigenOf(object.pose.pose.position);
-  if (entry.tries > 0 && !entry.restsAt(position_m)) entry = {};
-  if (entry.tries == 0) entry.position_m = position_m;
+  const Place place = Place::of(object);
+  Entry& entry = entries_.try_emplace(object.number, Entry::begin(place, stamp)).first->second;
+  if (!entry.usual.holds(place)) return;
   if (entry.tries == 0 || found.misfit < entry.found.misfit) {
+    entry.aligned = place;
     entry.found.pose = found.pose;
     entry.found.misfit = found.misfit;
   }
   if (entry.found.name.count == 0) entry.found.name = found.name;
   ++entry.tries;
-  entry.last_try = entry.last_seen = stamp;
+  entry.last_try = stamp;
 }
 
 void PoseBoard::clear() {

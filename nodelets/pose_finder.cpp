@@ -102,8 +102,9 @@ void PoseFinder::setIndex(const std::shared_ptr<const Index>& index, const std::
 
 void PoseFinder::show(int min_score_permille, Objects* objects, std::vector<Answer>* answers) {
   if (mode_ == Mode::Off) return;
-  const std::uint8_t otherwise = mode_ == Mode::All ? ModelPose::WAITING : ModelPose::NOT_SELECTED;
-  board_.show(otherwise, min_score_permille, objects, answers);
+  const bool all = mode_ == Mode::All;
+  board_.show({all ? ModelPose::WAITING : ModelPose::NOT_SELECTED, all && names_}, min_score_permille, objects,
+              answers);
 }
 
 void PoseFinder::offer(AnsweredFrame frame) {

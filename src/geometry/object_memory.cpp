@@ -72,10 +72,12 @@ void ObjectMemory::pairUp(const Eigen::Vector3f& up, Span<const Sighting> sighti
       if (tracks_[k].number == 0) continue;
       const Eigen::Vector3f apart = sightings[i].position_m - tracks_[k].position_m;
       const float distance_m = (apart - up * up.dot(apart)).norm();
-      if (distance_m <= gate_m) pairs_.push_back({distance_m, i, k});
+      const bool established = tracks_[k].frames >= kEstablishedAfter_frames;
+      if (distance_m <= gate_m) pairs_.push_back({established, distance_m, i, k});
     }
   }
   std::sort(pairs_.begin(), pairs_.end(), [this](const Pair& a, const Pair& b) {
+    if (a.established != b.established) return a.established;
     if (a.distance_m != b.distance_m) return a.distance_m < b.distance_m;
     if (a.sighting != b.sighting) return a.sighting < b.sighting;
     return tracks_[a.track].number < tracks_[b.track].number;
@@ -90,6 +92,7 @@ void ObjectMemory::pairUp(const Eigen::Vector3f& up, Span<const Sighting> sighti
 
 void ObjectMemory::begin(Track& track, const Sighting& sighting) {
   startAnew(track);
+  track.frames = 1;
   track.last_us = now_us_;
   track.position_m = sighting.position_m;
   track.extents_m = sighting.extents_m;
@@ -105,6 +108,7 @@ void ObjectMemory::startAnew(Track& track) {
 // The usual size follows what is seen, as when the camera moves, but not a sudden change.
 void ObjectMemory::follow(Track& track, const Sighting& sighting) {
   constexpr float kFollow = 0.25f;
+  track.frames = std::min(track.frames + 1, kEstablishedAfter_frames);
   track.last_us = now_us_;
   track.position_m = sighting.position_m;
   const bool differs = sizeDiffers(sighting.extents_m, track.extents_m);

@@ -95,6 +95,18 @@ TEST_F(ObjectMemoryTest, ABriefChangeOfSizeLeavesTheObject) {
   }
 }
 
+TEST_F(ObjectMemoryTest, AThingThatFallsIntoPartsNowAndThenKeepsItsNumber) {
+  const std::vector<Sighting> parts{at(-0.012f, 0, 0.05f, {0.06f, 0.049f, 0.065f}),
+                                    at(0.016f, 0, 0.05f, {0.058f, 0.027f, 0.065f})};
+  for (int i = 0; i < 100; ++i) {
+    const bool falls = i % 25 == 24;
+    const float wander_m = i % 25 == 0 ? 0.006f : 0;  // nearer to the other part than to that which had the number
+    const Sighting whole = at(wander_m, 0, 0.05f, {0.085f, 0.06f, 0.065f});
+    const Numbers numbers = frame(falls ? parts : std::vector<Sighting>{whole});
+    ASSERT_TRUE(falls || numbers[0] == 1) << i;
+  }
+}
+
 TEST_F(ObjectMemoryTest, AnotherThingOfTheSameSizeIsNoticedWithinHalfASecond) {
   for (int i = 0; i < 60; ++i) {
     frame({at(0, 0)});

@@ -56,7 +56,7 @@ struct Messages {
       fillObject(frame.depth, segments.segments[i], &objects.objects[i]);
       objects.objects[i].number = numberOf(objects.objects[i]);
     }
-    poses.show(ModelPose::WAITING, 0, &objects, &answers);
+    poses.show({}, 0, &objects, &answers);
     for (std::size_t i = 0; i < answers.size(); ++i) fillAnswer(answers[i], index, &objects.objects[i]);
   }
 

@@ -24,15 +24,17 @@ class ObjectMemory {
   static constexpr std::size_t kMostTracks = 128;
   static constexpr std::int64_t kSettledAfter_ms = 1000;   ///< then a label is left only for a clearly better one
   static constexpr std::int64_t kExchangedAfter_ms = 250;  ///< what looks like another thing for so long is one
+  static constexpr int kEstablishedAfter_frames = 5;       ///< what was cut off for a moment does not rival its whole
 
   explicit ObjectMemory(std::size_t categories);
 
   /// Starts a frame: each sighting is given the number of the object that it is, 1, 2, ... in the order of their first
   /// sight, never used again. Sightings and objects are paired by their distance on the table, the nearest pair first,
-  /// each at most once, none farther than the gate. A thing whose size has changed suddenly (a quarter and a
-  /// centimetre, for kExchangedAfter_ms) is another one. `time_us` goes back: everything is forgotten. `up` is the
-  /// table's normal; zero: distances are taken in space. Sightings beyond kMostTracks get number 0 and are not
-  /// remembered. The result has the order of the sightings and holds until the next call.
+  /// those of objects that were seen in fewer than kEstablishedAfter_frames last, each at most once, none farther than
+  /// the gate. A thing whose size has changed suddenly (a quarter and a centimetre, for kExchangedAfter_ms) is another
+  /// one. `time_us` goes back: everything is forgotten. `up` is the table's normal; zero: distances are taken in space.
+  /// Sightings beyond kMostTracks get number 0 and are not remembered. The result has the order of the sightings and
+  /// holds until the next call.
   Span<const std::uint32_t> update(std::int64_t time_us, const Eigen::Vector3f& up, Span<const Sighting> sightings,
                                    const MemoryParams& params);
 
@@ -51,11 +53,13 @@ class ObjectMemory {
  private:
   struct Track {
     std::uint32_t number = 0;  // 0: free
+    int frames = 0;            // in which it was seen, until it is established
     std::int64_t first_us = 0, last_us = 0, remembered_us = 0;
     std::int64_t size_changed_us = 0, look_changed_us = 0;  // since when it looks otherwise; 0: it does not
     Eigen::Vector3f position_m, extents_m;
   };
   struct Pair {
+    bool established;
     float distance_m;
     std::uint32_t sighting, track;
   };
