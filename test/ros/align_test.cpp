@@ -6,6 +6,7 @@
 #include <voxid/AlignObject.h>
 #include <voxid/ClassifyCloud.h>
 
+#include <fstream>
 #include <set>
 
 #include "chain_fixture.h"
@@ -301,6 +302,42 @@ TEST_F(AlignedNames, AskedForTheyAreGivenToo) {
   ASSERT_TRUE(ros::service::call(name_ + "/classify_cloud", call));
   EXPECT_EQ(call.response.object.label, "box");
   EXPECT_EQ(call.response.object.model_pose.label, "box");
+}
+
+/// The scope of the answers holds for aligned names, poses and the service, too.
+class AlignedNamesInAScope : public AlignedNames {
+ protected:
+  void expectNothingNamed(const std::string& label) {
+    startWith("all");
+    const ObjectsConstPtr objects =
+        showUntil(TableScene(), [](const Objects& o) { return isAligned(o, "ashtray") && isAligned(o, "ball"); });
+    ASSERT_TRUE(objects);
+    for (const Object& object : objects->objects) {
+      EXPECT_EQ(object.model_pose.label, object.label);
+      for (const Candidate& alternative : object.alternatives) EXPECT_NE(alternative.label, label);
+    }
+    ClassifyCloud call;
+    call.request.cloud = cloudBetween(0, 159);
+    call.request.align = true;
+    ASSERT_TRUE(ros::service::call(name_ + "/classify_cloud", call));
+    EXPECT_EQ(call.response.object.label, "ashtray");
+    EXPECT_EQ(call.response.object.model_pose.label, "ashtray");
+  }
+};
+
+TEST_F(AlignedNamesInAScope, NothingIsNamedThatIsNotListed) {
+  const std::string list = index_path_.string() + "-list";
+  std::ofstream(list) << "ashtray\nball\n";
+  node_.setParam("classification/categories", list);
+  expectNothingNamed("box");
+  std::filesystem::remove(list);
+}
+
+TEST_F(AlignedNamesInAScope, NothingIsNamedThatIsNeverSoSmall) {
+  test::writeSceneIndex(index_path_, "bed", "ashtray");  // cfg/sizes.yaml: a bed has at least 50 cm
+  test::writePly(boxMesh(TableScene().boxes[0].size_m), models_ / "bed" / "box-7.ply");
+  node_.setParam("classification/size", true);
+  expectNothingNamed("bed");
 }
 
 TEST_F(Aligned, TheAnswerSaysWhyThereIsNoPose) {
