@@ -66,9 +66,10 @@ VOXID_VECTORISED bool allPass(const std::int32_t* values, const std::uint8_t* pi
   return ends == 0;
 }
 
-/// Makes micrometres whole millimetres, at most kHighest_mm.
-VOXID_VECTORISED void toMillimetres(std::int32_t* heights, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) heights[i] = std::clamp(heights[i] / 1000, 0, kHighest_mm);
+VOXID_VECTORISED std::uint32_t countBelow(std::int32_t limit, const std::int32_t* values, std::size_t count) {
+  std::uint32_t below = 0;
+  for (std::size_t i = 0; i < count; ++i) below += static_cast<std::uint32_t>(values[i] < limit);
+  return below;
 }
 
 /// Directions in the plan: away from the camera's foot through a piece, and to the right of that.
@@ -115,28 +116,34 @@ struct Mean {
   std::int64_t value() const { return count > 0 ? sum / count : 0; }
 };
 
-/// visit(across, away) in micrometres for each pixel.
-template <typename Visit>
-void visitAlong(const PlacedPoints& points, const ViewerAxes& axes, Visit visit) {
-  for (std::size_t i = 0; i < points.count; ++i) {
-    visit((axes.away_y_q15 * points.x_um[i] - axes.away_x_q15 * points.y_um[i]) >> 15,
-          (axes.away_x_q15 * points.x_um[i] + axes.away_y_q15 * points.y_um[i]) >> 15);
+/// Makes x and y of points across and away.
+VOXID_VECTORISED void turn(const ViewerAxes& axes, std::int32_t* x, std::int32_t* y, std::size_t count) {
+  const auto away_x = static_cast<std::int32_t>(axes.away_x_q15), away_y = static_cast<std::int32_t>(axes.away_y_q15);
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int64_t across = static_cast<std::int64_t>(away_y) * x[i] - static_cast<std::int64_t>(away_x) * y[i];
+    const std::int64_t away = static_cast<std::int64_t>(away_x) * x[i] + static_cast<std::int64_t>(away_y) * y[i];
+    x[i] = static_cast<std::int32_t>(across >> 15);
+    y[i] = static_cast<std::int32_t>(away >> 15);
   }
 }
 
-PlanShape shapeOf(const PlacedPoints& points, const ViewerAxes& axes) {
+/// Turns the points.
+PlanShape shapeOf(const ViewerAxes& axes, PlacedPoints& points) {
+  std::int32_t *const across = points.x_um.data(), *const away = points.y_um.data();
+  turn(axes, across, away, points.count);
   PlanShape shape;
-  visitAlong(points, axes, [&](std::int64_t across, std::int64_t away) {
-    shape.across.add(across);
-    shape.away.add(away);
-  });
+  for (std::size_t i = 0; i < points.count; ++i) {
+    shape.across.add(across[i]);
+    shape.away.add(away[i]);
+  }
   Mean ends, middle;  // the outer and the inner fifths
   const std::int64_t tenth = shape.across.size() / 10 + 1;
-  visitAlong(points, axes, [&](std::int64_t across, std::int64_t away) {
-    const std::int64_t from_left = across - shape.across.low, from_right = shape.across.high - across;
-    if (from_left < tenth || from_right < tenth) ends.add(away);
-    if (from_left >= 4 * tenth && from_right >= 4 * tenth) middle.add(away);
-  });
+  for (std::size_t i = 0; i < points.count; ++i) {
+    const std::int64_t from_left = across[i] - shape.across.low, from_right = shape.across.high - across[i];
+    if (from_left < tenth || from_right < tenth) ends.add(away[i]);
+    if (from_left >= 4 * tenth && from_right >= 4 * tenth) middle.add(away[i]);
+  }
   if (ends.count > 0 && middle.count > 0) shape.sagitta_um = middle.value() - ends.value();
   return shape;
 }
@@ -145,7 +152,6 @@ PlanShape shapeOf(const PlacedPoints& points, const ViewerAxes& axes) {
 
 Joiner::Joiner() {
   lines_.resize((kMostPieces + 1) * (kMostPieces + 1));
-  heights_mm_.resize(2 * (kHighest_mm + 1));
   pieces_.reserve(kMostPieces + 1);
 }
 
@@ -319,9 +325,9 @@ bool Joiner::farAndNearWall(const Piece& far, const Piece& near, const Surface& 
   };
   place(far);
   const ViewerAxes axes = axesTowards(placed_);
-  const PlanShape far_shape = shapeOf(placed_, axes);
+  const PlanShape far_shape = shapeOf(axes, placed_);
   place(near);
-  const PlanShape near_shape = shapeOf(placed_, axes);
+  const PlanShape near_shape = shapeOf(axes, placed_);
   const Extent across = united(far_shape.across, near_shape.across), away = united(far_shape.away, near_shape.away);
   if (across.size() > kWidestVessel_um || away.size() > kWidestVessel_um) return false;
   if (2 * overlapOf(far_shape.across, near_shape.across) <
@@ -331,26 +337,26 @@ bool Joiner::farAndNearWall(const Piece& far, const Piece& near, const Surface& 
   return far_shape.sagitta_um > kFewestSagitta_um && near_shape.sagitta_um < 0;
 }
 
+/// In whole millimetres, rounded down, at most kHighest_mm.
 int Joiner::topOf(Piece& piece, const Surface& surface, const Components& components) {
   if (piece.top_mm >= 0) return piece.top_mm;
-  std::fill(heights_mm_.begin(), heights_mm_.end(), 0);
   const std::size_t pixels = components.pixelsIn(piece.part);
   heights_um_.resize(std::max(heights_um_.size(), pixels));
   std::int32_t* end = heights_um_.data();
   for (const Run& run : components.runsOf(piece.part)) {
     surface.heights(run, end);
-    end += run.end - run.begin;
+    end += run.size();
   }
-  toMillimetres(heights_um_.data(), pixels);
-  // In turn into two histograms: on a level top each count would wait for the one before.
-  for (std::size_t i = 0; i < pixels; ++i) ++heights_mm_[2 * static_cast<std::size_t>(heights_um_[i]) + i % 2];
-  std::size_t below = 0;
-  int top_mm = -1;
-  while (below * 100 < pixels * kTopPercentile) {
-    const auto bin = static_cast<std::size_t>(2 * ++top_mm);
-    below += heights_mm_[bin] + heights_mm_[bin + 1];
+  int low_mm = 0, high_mm = kHighest_mm;
+  while (low_mm < high_mm) {
+    const int middle_mm = (low_mm + high_mm) / 2;
+    const std::size_t below = countBelow((middle_mm + 1) * 1000, heights_um_.data(), pixels);
+    if (below * 100 < pixels * kTopPercentile)
+      low_mm = middle_mm + 1;
+    else
+      high_mm = middle_mm;
   }
-  return piece.top_mm = top_mm;
+  return piece.top_mm = low_mm;
 }
 
 }  // namespace voxid

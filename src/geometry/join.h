@@ -75,9 +75,8 @@ class Joiner {
   std::vector<Piece> pieces_;        // the first is no piece
   std::vector<std::uint8_t> piece_;  // by pixel
   std::vector<Lines> lines_;
-  std::vector<std::int32_t> heights_um_;   // of one piece's pixels
-  std::vector<std::uint32_t> heights_mm_;  // two histograms, interleaved
-  PlacedPoints placed_;                    // of one piece
+  std::vector<std::int32_t> heights_um_;  // of one piece's pixels
+  PlacedPoints placed_;                   // of one piece
 };
 
 }  // namespace voxid
