@@ -8,6 +8,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "free_place.h"
+
 namespace voxid::cli {
 namespace {
 
@@ -83,14 +85,18 @@ void drawBox(const Camera& camera, const Cluster& cluster, cv::Mat& picture) {
   }
 }
 
-void writeCaption(const Cluster& cluster, const std::string& caption, cv::Mat& picture) {
+/// Above the object or, where another caption is, near to that; `taken`: the places of captions.
+void writeCaption(const Cluster& cluster, const std::string& caption, std::vector<cv::Rect>& taken, cv::Mat& picture) {
   constexpr double kSize = 0.45;
   int below = 0;
   const cv::Size size = cv::getTextSize(caption, cv::FONT_HERSHEY_SIMPLEX, kSize, 1, &below);
   const int x = std::clamp(cluster.box_px.x, 0, std::max(0, picture.cols - size.width));
   const int y = std::max(cluster.box_px.y - 4, size.height + 2);
-  cv::rectangle(picture, {x - 1, y - size.height - 2}, {x + size.width + 1, y + below - 1}, {0, 0, 0}, cv::FILLED);
-  cv::putText(picture, caption, {x, y}, cv::FONT_HERSHEY_SIMPLEX, kSize, colourOf(cluster.id), 1, cv::LINE_AA);
+  const cv::Rect wanted({x - 1, y - size.height - 2}, cv::Point(x + size.width + 2, y + below));
+  taken.push_back(freePlace(wanted, taken, picture.rows));
+  cv::rectangle(picture, taken.back(), {0, 0, 0}, cv::FILLED);
+  cv::putText(picture, caption, {x, taken.back().y + size.height + 2}, cv::FONT_HERSHEY_SIMPLEX, kSize,
+              colourOf(cluster.id), 1, cv::LINE_AA);
 }
 
 /// Its pixel box and why it is no object.
@@ -186,9 +192,10 @@ cv::Mat drawScene(const DepthView& depth, const Scene& scene) {
 }
 
 void writeCaptions(const Scene& scene, const std::vector<std::string>& captions, cv::Mat& picture) {
+  std::vector<cv::Rect> taken;
   for (std::size_t i = 0; i < scene.clusters.size; ++i) {
     const Cluster& cluster = scene.clusters[i];
-    writeCaption(cluster, i < captions.size() ? captions[i] : std::to_string(cluster.id), picture);
+    writeCaption(cluster, i < captions.size() ? captions[i] : std::to_string(cluster.id), taken, picture);
   }
 }
 

@@ -37,7 +37,7 @@ cv::Scalar colourOf(int id);
 /// CV_8UC3: depth in grey (near is bright), the table's outline, each object's pixels and boxes in a colour of its own.
 cv::Mat drawScene(const DepthView& depth, const Scene& scene);
 
-/// Above each object. `captions` by cluster; missing ones are the id.
+/// Above each object, none on another. `captions` by cluster; missing ones are the id.
 void writeCaptions(const Scene& scene, const std::vector<std::string>& captions, cv::Mat& picture);
 
 /// PATH for a single frame; with several, PATH with "-STEM" before its ending.
