@@ -6,7 +6,7 @@ find_package(catkin REQUIRED COMPONENTS message_generation ${VOXID_CATKIN_COMPON
 
 add_message_files(FILES
   Candidate.msg DroppedCluster.msg ModelPose.msg Object.msg Objects.msg Segment.msg Segments.msg TablePlane.msg)
-add_service_files(FILES AlignObject.srv ClassifyCloud.srv)
+add_service_files(FILES AlignObject.srv ClassifyCloud.srv ConfirmObject.srv)
 generate_messages(DEPENDENCIES std_msgs sensor_msgs geometry_msgs shape_msgs)
 generate_dynamic_reconfigure_options(cfg/Capture.cfg cfg/Segmentation.cfg cfg/Classification.cfg)
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
+#include <memory>
+#include <mutex>
 #include <string>
 
 #include "voxid/geometry/longest_extent.h"
@@ -9,11 +10,16 @@
 
 namespace voxid {
 
-/// What objects may be in an index, by the parameters categories and size. Shared between threads.
+/// What objects may be in an index, by the parameters categories, size and confirmed_sizes. Shared between threads.
 class AnswerScope {
  public:
   /// `list`: the file of ~categories; empty: all. If it cannot be used all may be, and trouble() says why.
-  AnswerScope(const Index& index, const std::string& list, bool size);
+  /// `confirmed`: the file of ~confirmed_sizes; empty: none. If it cannot be used the reviewed sizes alone count.
+  AnswerScope(const Index& index, const std::string& list, bool size, const std::string& confirmed = "");
+
+  /// An object so long is of this category of the index: kept in the file, and counted from now on. CannotDo if there
+  /// is no such file to keep it in.
+  Status confirm(const Index& index, const std::string& category, int longest_mm);
 
   /// What one thread needs for of().
   struct Workspace {
@@ -27,7 +33,9 @@ class AnswerScope {
 
  private:
   AllowedCategories listed_;
-  std::optional<SizeTable> sizes_;
+  std::string confirmed_;
+  mutable std::mutex mutex_;                // of the pointer
+  std::shared_ptr<const SizeTable> sizes_;  // null: size does not count
   std::string trouble_;
 };
 

@@ -39,6 +39,7 @@ void ClassificationNodelet::onInit() {
   remembers_ = at_start.memory;
   categories_ = at_start.categories;
   size_ = at_start.size;
+  confirmed_sizes_ = at_start.confirmed_sizes;
   startTransforms();
   poses_.start(node, at_start, [this] { return params(); });
   watch_.start(at_start.index, at_start.watch_index);
@@ -216,7 +217,7 @@ std::string ClassificationNodelet::trouble() const {
 void ClassificationNodelet::followIndex(bool replaced) {
   if (replaced) {
     recognisers_.reset();  // of the index before; the next frame makes new ones
-    scope_ = std::make_shared<const AnswerScope>(*watch_.index(), categories_, size_);
+    scope_ = std::make_shared<AnswerScope>(*watch_.index(), categories_, size_, confirmed_sizes_);
     recognisers(params().threads);
     poses_.setIndex(watch_.index(), scope_);
     if (remembers_) memory_ = std::make_unique<ObjectMemory>(watch_.index()->categories().size);

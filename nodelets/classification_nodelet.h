@@ -66,7 +66,8 @@ class ClassificationNodelet : public nodelet::Nodelet {
   IndexWatch watch_;
   std::string categories_;
   bool size_ = false;
-  std::shared_ptr<const AnswerScope> scope_;  // of the index
+  std::string confirmed_sizes_;
+  std::shared_ptr<AnswerScope> scope_;  // of the index
   std::unique_ptr<RecogniserPool> recognisers_;
   std::vector<ObjectPixels> pixels_;  // of the frame's objects
   std::vector<Answer> answers_;       // to the frame's objects; empty without an index

@@ -76,6 +76,7 @@ struct ClassificationStartParams {
   bool size = false;  ///< A category that cannot be as long as an object, or as short, is no answer for it (doc/size.md). Some 0.2 ms an object; what is partly hidden looks shorter than it is, and toys are no furniture.
   std::string target_frame = "";  ///< tf frame of the poses; empty: the camera's. With a moving camera name one that the table rests in.
   bool memory = true;  ///< What earlier frames said about an object counts, too, and it keeps its number.
+  std::string confirmed_sizes = "";  ///< File of the sizes that confirm_object keeps; with size they refine what is known of a category (doc/size.md). Made when it is not there; empty: none are kept.
   std::string align = "off";  ///< Poses of CAD models: off, selected (those that align_object is called for) or all. Needs memory.
   bool align_names = true;  ///< What is aligned is named by it, too, while it rests (doc/memory.md): more are named rightly, and the label is that of the pose. The first alignment of an object takes some two and a half times as long, frames no longer. false: labels are those of the codes.
   int align_percent = 50;  ///< Share of one core that all may take. Less finds poses later; frames never wait for it.
@@ -90,6 +91,7 @@ inline ClassificationStartParams classificationStartParams(const ros::NodeHandle
   node.param("size", params.size, params.size);
   node.param("target_frame", params.target_frame, params.target_frame);
   node.param("memory", params.memory, params.memory);
+  node.param("confirmed_sizes", params.confirmed_sizes, params.confirmed_sizes);
   node.param("align", params.align, params.align);
   node.param("align_names", params.align_names, params.align_names);
   node.param("align_percent", params.align_percent, params.align_percent);

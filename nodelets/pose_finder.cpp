@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "cloud_patch.h"
 #include "conversions.h"
@@ -43,6 +44,27 @@ void keepCategory(const Index& index, std::uint32_t category, std::vector<Sketch
   candidates->erase(std::remove_if(candidates->begin(), candidates->end(), other), candidates->end());
 }
 
+constexpr char kNoFrame[] = "no frame has been answered yet: frames are, while somebody listens to objects";
+
+std::string notShown(std::uint32_t number) {
+  return "the newest frame shows no object with number " + std::to_string(number);
+}
+
+/// Where the object of this number is in a list; none, too, for number 0.
+std::optional<std::size_t> placeOf(const Objects& objects, std::uint32_t number) {
+  for (std::size_t i = 0; i < objects.objects.size(); ++i) {
+    if (number != 0 && objects.objects[i].number == number) return i;
+  }
+  return {};
+}
+
+bool hasCategory(const Index& index, const std::string& name) {
+  for (std::uint32_t i = 0; i < index.categories().size; ++i) {
+    if (index.categoryName(i) == name) return true;
+  }
+  return false;
+}
+
 /// Mean of the points, metres.
 Eigen::Vector3d centroidOf(const DepthView& depth, Span<const std::uint32_t> pixels) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -61,6 +83,7 @@ PoseFinder::~PoseFinder() {
   stop_ = true;
   align_.shutdown();
   classify_.shutdown();
+  confirm_.shutdown();
   queue_.disable();
   if (thread_.joinable()) thread_.join();
 }
@@ -71,6 +94,7 @@ void PoseFinder::start(ros::NodeHandle node, const ClassificationStartParams& at
   models_ = at_start.models;
   percent_ = at_start.align_percent;
   names_ = at_start.align_names;
+  confirms_ = !at_start.confirmed_sizes.empty();
   std::string trouble;
   mode_ = modeOf(at_start.align, &trouble);
   if (mode_ != Mode::Off && !at_start.memory) {
@@ -81,6 +105,7 @@ void PoseFinder::start(ros::NodeHandle node, const ClassificationStartParams& at
   node.setCallbackQueue(&queue_);
   align_ = node.advertiseService("align_object", &PoseFinder::onAlign, this);
   classify_ = node.advertiseService("classify_cloud", &PoseFinder::onClassify, this);
+  confirm_ = node.advertiseService("confirm_object", &PoseFinder::onConfirm, this);
   thread_ = std::thread([this] { run(); });
 }
 
@@ -91,7 +116,7 @@ PoseFinder::Mode PoseFinder::modeOf(const std::string& name, std::string* troubl
   return Mode::Off;
 }
 
-void PoseFinder::setIndex(const std::shared_ptr<const Index>& index, const std::shared_ptr<const AnswerScope>& scope) {
+void PoseFinder::setIndex(const std::shared_ptr<const Index>& index, const std::shared_ptr<AnswerScope>& scope) {
   const std::lock_guard<std::mutex> lock(mutex_);
   index_ = index;
   scope_ = scope;
@@ -108,7 +133,7 @@ void PoseFinder::show(int min_score_permille, Objects* objects, std::vector<Answ
 }
 
 void PoseFinder::offer(AnsweredFrame frame) {
-  if (mode_ == Mode::Off) return;
+  if (mode_ == Mode::Off && !confirms_) return;
   const std::lock_guard<std::mutex> lock(mutex_);
   std::swap(frame_, frame);  // the one before is let go outside
 }
@@ -237,19 +262,16 @@ bool PoseFinder::onAlign(AlignObject::Request& request, AlignObject::Response& r
     return true;
   }
   if (!newest.objects) {
-    response.message = "no frame has been answered yet: frames are, while somebody listens to objects";
+    response.message = kNoFrame;
     return true;
   }
   response.header = newest.objects->header;
-  const auto& objects = newest.objects->objects;
-  const auto wanted = std::find_if(objects.begin(), objects.end(), [&](const Object& object) {
-    return object.number == request.number && object.number != 0;
-  });
-  if (wanted == objects.end()) {
-    response.message = "the newest frame shows no object with number " + std::to_string(request.number);
+  const auto wanted = placeOf(*newest.objects, request.number);
+  if (!wanted) {
+    response.message = notShown(request.number);
     return true;
   }
-  const AlignedObject found = alignAndKeep(newest, static_cast<std::size_t>(wanted - objects.begin()));
+  const AlignedObject found = alignAndKeep(newest, *wanted);
   response.model_pose = found.pose;
   response.success = found.pose.status == ModelPose::ALIGNED;
   if (found.pose.status == ModelPose::NO_SURFACE) response.message = trouble();
@@ -282,6 +304,39 @@ bool PoseFinder::onClassify(ClassifyCloud::Request& request, ClassifyCloud::Resp
   response.success = !response.object.alternatives.empty();
   if (!response.success) response.message = "the points have no extent";
   if (response.object.model_pose.status == ModelPose::NO_SURFACE) response.message = trouble();
+  return true;
+}
+
+Result<int> PoseFinder::longest_mm(const AnsweredFrame& frame, std::uint32_t number) const {
+  if (!confirms_) return Status::cannotDo("~confirmed_sizes names no file to keep sizes in");
+  if (!frame.objects) return Status::cannotDo(kNoFrame);
+  const auto wanted = placeOf(*frame.objects, number);
+  if (!wanted) return Status::cannotDo(notShown(number));
+  const Result<DepthView> depth = viewOf(*frame.image, *frame.info);
+  if (!depth.ok()) return depth.status;
+  const std::vector<std::uint32_t>& pixels = frame.segments->segments[*wanted].pixels;
+  return static_cast<int>(std::lround(LongestExtent().of_mm(depth.value, {pixels.data(), pixels.size()})));
+}
+
+bool PoseFinder::onConfirm(ConfirmObject::Request& request, ConfirmObject::Response& response) {
+  const Result<int> longest_mm = this->longest_mm(frame(), request.number);
+  response.message = longest_mm.status.sentence;
+  if (!longest_mm.ok()) return true;
+  std::shared_ptr<const Index> index;
+  std::shared_ptr<AnswerScope> scope;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    index = index_;
+    scope = scope_;
+  }
+  if (!index || !hasCategory(*index, request.category)) {
+    response.message = "the index has no category '" + request.category + "'";
+    return true;
+  }
+  const Status kept = scope->confirm(*index, request.category, longest_mm.value);
+  response.success = kept.ok();
+  response.message =
+      kept.ok() ? request.category + ": " + std::to_string(longest_mm.value) + " mm, kept" : kept.sentence;
   return true;
 }
 

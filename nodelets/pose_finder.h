@@ -7,6 +7,7 @@
 #include <sensor_msgs/Image.h>
 #include <voxid/AlignObject.h>
 #include <voxid/ClassifyCloud.h>
+#include <voxid/ConfirmObject.h>
 #include <voxid/Segments.h>
 
 #include <Eigen/Geometry>
@@ -35,8 +36,9 @@ struct AnsweredFrame {
   Eigen::Isometry3d target_from_camera = Eigen::Isometry3d::Identity();
 };
 
-/// Aligns CAD models with objects, names them by it, and answers align_object and classify_cloud, in a thread of its
-/// own that gives way to the frames' (nice 10). Of the parameters align, align_names, align_percent and models.
+/// Aligns CAD models with objects, names them by it, and answers align_object, classify_cloud and confirm_object, in
+/// a thread of its own that gives way to the frames' (nice 10). Of the parameters align, align_names, align_percent,
+/// models and confirmed_sizes.
 class PoseFinder {
  public:
   ~PoseFinder();
@@ -45,7 +47,7 @@ class PoseFinder {
   void start(ros::NodeHandle node, const ClassificationStartParams& at_start, std::function<ClassifyParams()> params);
 
   /// Poses that were found in an index before are forgotten.
-  void setIndex(const std::shared_ptr<const Index>& index, const std::shared_ptr<const AnswerScope>& scope);
+  void setIndex(const std::shared_ptr<const Index>& index, const std::shared_ptr<AnswerScope>& scope);
   /// Fills the objects' model_pose, and the answers, in their order, that alignment knows better. Never waits for an
   /// alignment; nor does any other call of the frame's thread.
   void show(int min_score_permille, Objects* objects, std::vector<Answer>* answers);
@@ -81,12 +83,15 @@ class PoseFinder {
                        std::optional<std::uint32_t> named);
   bool onAlign(AlignObject::Request& request, AlignObject::Response& response);
   bool onClassify(ClassifyCloud::Request& request, ClassifyCloud::Response& response);
+  bool onConfirm(ConfirmObject::Request& request, ConfirmObject::Response& response);
+  Result<int> longest_mm(const AnsweredFrame& frame, std::uint32_t number) const;
   void setTrouble(const std::string& sentence);
 
   Mode mode_ = Mode::Off;
   std::string models_;
   int percent_ = 50;
   bool names_ = true;
+  bool confirms_ = false;
   std::function<ClassifyParams()> params_;
   PoseBoard board_;
   std::unique_ptr<Tools> tools_;
@@ -94,13 +99,13 @@ class PoseFinder {
 
   mutable std::mutex mutex_;  // held for copies only
   std::shared_ptr<const Index> index_;
-  std::shared_ptr<const AnswerScope> scope_;
+  std::shared_ptr<AnswerScope> scope_;
   std::uint64_t indices_ = 0;  // so many so far
   AnsweredFrame frame_;
   std::string trouble_;
 
   ros::CallbackQueue queue_;
-  ros::ServiceServer align_, classify_;
+  ros::ServiceServer align_, classify_, confirm_;
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

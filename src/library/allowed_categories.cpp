@@ -33,22 +33,40 @@ Result<AllowedCategories> readAllowedCategories(const std::string& path, const I
   return allowed;
 }
 
-SizeTable::SizeTable(const Index& index) : ranges_(index.categories().size) {
+SizeTable::SizeTable(const Index& index, const ConfirmedSizes& confirmed) : ranges_(index.categories().size) {
+  review(index);
+  for (const auto& [category, longest_mm] : confirmed.longest_mm()) {
+    Range* const range = rangeOf(index, category);
+    if (range && !longest_mm.empty()) refine(longest_mm, range);
+  }
+}
+
+SizeTable::Range* SizeTable::rangeOf(const Index& index, const std::string& category) {
+  for (std::uint32_t i = 0; i < ranges_.size(); ++i) {
+    if (index.categoryName(i) == category) return &ranges_[i];
+  }
+  return nullptr;
+}
+
+void SizeTable::review(const Index& index) {
   const YAML::Node table = YAML::Load(kSizesYaml);
-  const auto rangeOf = [&](const std::string& name) {
-    for (std::uint32_t i = 0; i < ranges_.size(); ++i) {
-      if (index.categoryName(i) == name) return &ranges_[i];
-    }
-    return static_cast<Range*>(nullptr);
-  };
   for (const auto& entry : table["range_cm"]) {
-    if (Range* const range = rangeOf(entry.first.as<std::string>()))
+    if (Range* const range = rangeOf(index, entry.first.as<std::string>()))
       *range = {entry.second[0].as<double>() * kMmPerCm, entry.second[1].as<double>() * kMmPerCm};
   }
   for (const auto& name : table["large"]) {
-    if (Range* const range = rangeOf(name.as<std::string>()))
+    if (Range* const range = rangeOf(index, name.as<std::string>()))
       range->least_mm = table["large_cm"].as<double>() * kMmPerCm;
   }
+}
+
+void SizeTable::refine(const std::vector<int>& confirmed_mm, Range* range) const {
+  const auto [least, most] = std::minmax_element(confirmed_mm.begin(), confirmed_mm.end());
+  const Range seen{*least * (1 - kMargin), *most * (1 + kMargin)};
+  if (confirmed_mm.size() >= kEnough)
+    *range = seen;
+  else
+    *range = {std::min(range->least_mm, seen.least_mm), std::max(range->most_mm, seen.most_mm)};
 }
 
 void SizeTable::find(double longest_mm, const AllowedCategories& among, AllowedCategories* fit) const {

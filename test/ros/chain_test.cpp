@@ -6,6 +6,7 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 #include <visualization_msgs/MarkerArray.h>
+#include <voxid/ConfirmObject.h>
 
 #include <algorithm>
 #include <array>
@@ -19,6 +20,7 @@
 #include "chain_fixture.h"
 #include "clouds.h"
 #include "scene_index.h"
+#include "voxid/library/confirmed_sizes.h"
 
 namespace voxid {
 namespace {
@@ -134,6 +136,55 @@ TEST_F(Chain, WhatCannotBeSoShortIsNoAnswer) {
   const ObjectsConstPtr objects = objectsFor(TableScene().depth_mm());
   ASSERT_TRUE(objects && objects->objects.size() == 2);
   for (const Object& object : objects->objects) EXPECT_EQ(object.label, "ball");
+}
+
+TEST_F(Chain, AConfirmedSizeIsKeptAndCounts) {
+  test::writeSceneIndex(index_path_, "bed");  // cfg/sizes.yaml: at least 50 cm
+  const std::string kept = index_path_.string() + "-sizes.yaml";
+  std::filesystem::remove(kept);
+  node_.setParam("classification/size", true);
+  node_.setParam("classification/confirmed_sizes", kept);
+  start();
+  TableScene scene;
+  ObjectsConstPtr objects = objectsFor(scene.depth_mm());
+  ASSERT_TRUE(objects && objects->objects.size() == 2);
+  const bool box_first = objects->objects[0].pose.pose.position.x < objects->objects[1].pose.pose.position.x;
+  ConfirmObject call;
+  const auto confirm = [&](std::uint32_t number, const std::string& category) {
+    call.request.number = number;
+    call.request.category = category;
+    EXPECT_TRUE(ros::service::call(name_ + "/confirm_object", call));
+    return call.response.success != 0;
+  };
+  const std::uint32_t number = objects->objects[box_first ? 0 : 1].number;
+  EXPECT_FALSE(confirm(77, "bed"));
+  EXPECT_EQ(call.response.message, "the newest frame shows no object with number 77");
+  EXPECT_FALSE(confirm(number, "toy bed"));
+  EXPECT_EQ(call.response.message, "the index has no category 'toy bed'");
+  EXPECT_TRUE(confirm(number, "bed")) << call.response.message;
+  const std::vector<int> longest_mm = ConfirmedSizes::read(kept).value.longest_mm().at("bed");
+  ASSERT_EQ(longest_mm.size(), 1u);
+  EXPECT_NEAR(longest_mm[0], 165, 20) << "what is seen of 10 x 8 x 12 cm";
+
+  scene.boxes[0].centre_m.x() -= 0.08;  // what is new is named by the frames from now on
+  EXPECT_TRUE(test::eventually(10, [&] {
+    objects = objectsFor(scene.depth_mm());
+    return objects && labelled(*objects, "bed");
+  }));
+  std::ofstream(kept) << "damaged";
+  ASSERT_TRUE(objects);
+  EXPECT_FALSE(confirm(labelled(*objects, "bed") ? labelled(*objects, "bed")->number : 0, "bed"));
+  EXPECT_NE(call.response.message.find("no file of confirmed sizes"), std::string::npos) << call.response.message;
+  std::filesystem::remove(kept);
+}
+
+TEST_F(Chain, WithoutAFileNoSizeIsKept) {
+  test::writeSceneIndex(index_path_);
+  start();
+  ASSERT_TRUE(objectsFor(TableScene().depth_mm()));
+  ConfirmObject call;
+  ASSERT_TRUE(ros::service::call(name_ + "/confirm_object", call));
+  EXPECT_EQ(call.response.message, "~confirmed_sizes names no file to keep sizes in");
 }
 
 TEST_F(Chain, AnObjectKeepsItsNumberAndAMovedOneHasANewOne) {
