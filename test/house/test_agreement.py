@@ -23,7 +23,8 @@ def test_launch_files_and_nodelets_start_from_the_same_defaults(root):
                      for arg in xml.parse(root / "launch" / name).getroot().iter("arg")
                      if arg.get("default") is not None}
         shared = set(arguments) & set(at_start)
-        assert shared == {"index", "categories", "size", "target_frame", "up_frame", "align", "models", "debug"}
+        assert shared == {"index", "categories", "size", "confirmed_sizes", "target_frame", "up_frame", "align",
+                          "models", "debug"}
         assert {key: arguments[key] for key in shared} == {
             key: str(at_start[key]["default"]).lower() for key in shared}
 
