@@ -5,7 +5,7 @@ set(VOXID_CATKIN_COMPONENTS
 find_package(catkin REQUIRED COMPONENTS message_generation ${VOXID_CATKIN_COMPONENTS})
 
 add_message_files(FILES
-  Candidate.msg DroppedCluster.msg ModelPose.msg Object.msg Objects.msg Segment.msg Segments.msg TablePlane.msg)
+  AlignedModel.msg AlignedModels.msg Candidate.msg DroppedCluster.msg ModelPose.msg Object.msg Objects.msg Segment.msg Segments.msg TablePlane.msg)
 add_service_files(FILES AlignObject.srv ClassifyCloud.srv ConfirmObject.srv)
 generate_messages(DEPENDENCIES std_msgs sensor_msgs geometry_msgs shape_msgs)
 generate_dynamic_reconfigure_options(cfg/Capture.cfg cfg/Segmentation.cfg cfg/Classification.cfg)

@@ -18,6 +18,7 @@ constexpr std::int32_t kNear_um = 300000, kFar_um = 3000000;  // of the grey sca
 constexpr double kThinnest_m = 0.001;                         // rviz refuses a box without thickness
 constexpr double kTextHeight_m = 0.03;
 constexpr double kLine_m = 0.004;
+constexpr double kPoint_m = 0.003;
 
 cv::Vec3b bgrOf(int id) {
   const auto rgb = colourOf(id);
@@ -188,6 +189,27 @@ Marker modelOf(const Objects& objects, const Object& object) {
   return m;
 }
 
+/// Null if it is not among them.
+const AlignedModel* find(const AlignedModels& models, const ModelPose& pose) {
+  const auto found = std::find_if(models.models.begin(), models.models.end(), [&](const AlignedModel& model) {
+    return model.label == pose.label && model.model == pose.model;
+  });
+  return found == models.models.end() ? nullptr : &*found;
+}
+
+/// In a lighter shade, as it lies among the object's points, which rviz has in the object's colour.
+Marker surfaceOf(const Objects& objects, const Object& object, const AlignedModel& model) {
+  Marker m = marker(objects, "surface", object.id, Marker::POINTS);
+  m.pose = object.model_pose.pose.pose;
+  m.scale.x = m.scale.y = kPoint_m;
+  colour(object.id, 1, &m);
+  for (float* const c : {&m.color.r, &m.color.g, &m.color.b}) *c = (1 + *c) / 2;
+  const auto scale_m = static_cast<double>(object.model_pose.scale_m);
+  for (const geometry_msgs::Point32& p : model.points)
+    m.points.push_back(pointOf(scale_m * Eigen::Vector3d(p.x, p.y, p.z)));
+  return m;
+}
+
 bool isThere(const Marker& wanted, const std::vector<Marker>& markers) {
   return std::any_of(markers.begin(), markers.end(),
                      [&](const Marker& m) { return m.id == wanted.id && m.ns == wanted.ns; });
@@ -213,13 +235,17 @@ cv::Mat drawOverlay(const DepthView& depth, const Segments& segments, const Obje
   return image;
 }
 
-visualization_msgs::MarkerArray markersOf(const Objects& objects, const visualization_msgs::MarkerArray& previous) {
+visualization_msgs::MarkerArray markersOf(const Objects& objects, const AlignedModels& models,
+                                          const visualization_msgs::MarkerArray& previous) {
   visualization_msgs::MarkerArray array;
   if (!objects.table.outline.empty()) array.markers.push_back(outlineOf(objects));
   for (const Object& object : objects.objects) {
     array.markers.push_back(boxOf(objects, object));
     array.markers.push_back(captionMarker(objects, object));
-    if (object.model_pose.status == ModelPose::ALIGNED) array.markers.push_back(modelOf(objects, object));
+    if (object.model_pose.status != ModelPose::ALIGNED) continue;
+    array.markers.push_back(modelOf(objects, object));
+    if (const AlignedModel* const model = find(models, object.model_pose))
+      array.markers.push_back(surfaceOf(objects, object, *model));
   }
   for (const Marker& shown : previous.markers) {
     if (shown.action == Marker::ADD && !isThere(shown, array.markers))

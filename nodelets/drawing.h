@@ -3,6 +3,7 @@
 #pragma once
 
 #include <visualization_msgs/MarkerArray.h>
+#include <voxid/AlignedModels.h>
 #include <voxid/Objects.h>
 #include <voxid/Segments.h>
 
@@ -21,10 +22,12 @@ std::string captionOf(const Object& object);
 /// outline, and the clusters that are no objects with the reason; 8-bit BGR.
 cv::Mat drawOverlay(const DepthView& depth, const Segments& segments, const Objects& objects);
 
-/// Boxes (namespace "box", CUBE), captions ("label", TEXT_VIEW_FACING) and the boxes of aligned models with their axes
-/// ("model", LINE_LIST) by object id, and the table's outline ("table", LINE_STRIP, id 0) in the frame of `objects`. A
-/// model's x, y, z are red, green, blue; if its rotation is not known, the axis that it may stand turned about is
-/// yellow instead. What `previous` showed and this does not is deleted.
-visualization_msgs::MarkerArray markersOf(const Objects& objects, const visualization_msgs::MarkerArray& previous);
+/// Boxes (namespace "box", CUBE), captions ("label", TEXT_VIEW_FACING), the boxes of aligned models with their axes
+/// ("model", LINE_LIST) and their surfaces, as far as `models` has them ("surface", POINTS), by object id, and the
+/// table's outline ("table", LINE_STRIP, id 0) in the frame of `objects`. A model's x, y, z are red, green, blue; if
+/// its rotation is not known, the axis that it may stand turned about is yellow instead. What `previous` showed and
+/// this does not is deleted.
+visualization_msgs::MarkerArray markersOf(const Objects& objects, const AlignedModels& models,
+                                          const visualization_msgs::MarkerArray& previous);
 
 }  // namespace voxid

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "conversions.h"
+#include "voxid/library/surface_points.h"
 
 namespace voxid {
 namespace {
@@ -44,6 +45,22 @@ ModelPose modelPoseOf(const Alignment& alignment, const ModelSurface& surface, c
   message.free_axis = vectorOf(alignment.free_axis.cast<double>());
   for (std::size_t i = 0; i < 3; ++i) message.symmetry[i] = symmetry.folds[i];
   return message;
+}
+
+AlignedModel alignedModelOf(const ModelSurface& surface) {
+  constexpr float kDiagonal_um = 1e6f;  // that of the box in surfacePoints, whose y and z are turned over, too
+  Mesh mesh;
+  for (const Eigen::Vector3f& v : surface.vertices) mesh.vertices.push_back({v.x(), v.y(), v.z()});
+  mesh.triangles = surface.triangles;
+  AlignedModel model;
+  for (const PointUm& p : surfacePoints(mesh, kModelPoints)) {
+    geometry_msgs::Point32 point;
+    point.x = static_cast<float>(p.x) / kDiagonal_um;
+    point.y = static_cast<float>(-p.y) / kDiagonal_um;
+    point.z = static_cast<float>(-p.z) / kDiagonal_um;
+    model.points.push_back(point);
+  }
+  return model;
 }
 
 void transform(const Eigen::Isometry3d& target_from_camera, ModelPose* model_pose) {

@@ -2,6 +2,7 @@
 // What alignment found, as a message: pure functions.
 #pragma once
 
+#include <voxid/AlignedModel.h>
 #include <voxid/ModelPose.h>
 
 #include <Eigen/Geometry>
@@ -13,6 +14,10 @@ namespace voxid {
 
 /// ALIGNED, in the camera's frame; label, model and stamp are the caller's to fill. NOT_FOUND if nothing was found.
 ModelPose modelPoseOf(const Alignment& alignment, const ModelSurface& surface, const Symmetry& symmetry);
+
+/// The points of a surface; label and model are the caller's to fill.
+AlignedModel alignedModelOf(const ModelSurface& surface);
+constexpr int kModelPoints = 1000;
 
 /// Moves a pose with its covariance and free axis into another frame. Other than ALIGNED: nothing.
 void transform(const Eigen::Isometry3d& target_from_camera, ModelPose* model_pose);

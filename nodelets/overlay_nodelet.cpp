@@ -43,10 +43,13 @@ void OverlayNodelet::onListeners() {
 
 void OverlayNodelet::listenForMarkers(bool wanted) {
   if (wanted == static_cast<bool>(marker_objects_)) return;
-  if (wanted)
+  if (wanted) {
+    marker_models_ = getNodeHandle().subscribe("aligned_models", 1, &OverlayNodelet::onModels, this);
     marker_objects_ = getNodeHandle().subscribe("objects", 1, &OverlayNodelet::onObjects, this);
-  else
+  } else {
     marker_objects_.shutdown();
+    marker_models_.shutdown();
+  }
 }
 
 void OverlayNodelet::listenForOverlay(bool wanted) {
@@ -66,7 +69,7 @@ void OverlayNodelet::listenForOverlay(bool wanted) {
 
 void OverlayNodelet::onObjects(const ObjectsConstPtr& objects) {
   const Stopwatch watch;
-  shown_ = markersOf(*objects, shown_);
+  shown_ = markersOf(*objects, aligned_models_ ? *aligned_models_ : AlignedModels(), shown_);
   markers_.publish(shown_);
   health_.frame(objects->header.stamp, statusName(objects->status));
   health_.cost(watch.ms(), watch.cpuMs());

@@ -6,6 +6,7 @@
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 #include <visualization_msgs/MarkerArray.h>
+#include <voxid/AlignedModels.h>
 #include <voxid/Objects.h>
 #include <voxid/Segments.h>
 
@@ -16,8 +17,8 @@
 
 namespace voxid {
 
-/// For people: objects -> markers, and depth/image_raw + segments + objects of one stamp -> overlay/image_raw.
-/// Each only while somebody listens to it.
+/// For people: objects + aligned_models -> markers, and depth/image_raw + segments + objects of one stamp ->
+/// overlay/image_raw. Each only while somebody listens to it.
 class OverlayNodelet : public nodelet::Nodelet {
  public:
   ~OverlayNodelet() override;
@@ -30,15 +31,17 @@ class OverlayNodelet : public nodelet::Nodelet {
   void onListeners();
   void listenForMarkers(bool wanted);
   void listenForOverlay(bool wanted);
+  void onModels(const AlignedModelsConstPtr& models) { aligned_models_ = models; }
   void onObjects(const ObjectsConstPtr& objects);
   void onFrame(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info,
                const SegmentsConstPtr& segments, const ObjectsConstPtr& objects);
 
   bool closing_ = false;
+  AlignedModelsConstPtr aligned_models_;  // null: none was said yet
   visualization_msgs::MarkerArray shown_;
   Health health_;
   ros::Publisher markers_, overlay_;
-  ros::Subscriber marker_objects_;
+  ros::Subscriber marker_objects_, marker_models_;
   message_filters::Subscriber<sensor_msgs::Image> image_;
   message_filters::Subscriber<sensor_msgs::CameraInfo> info_;
   message_filters::Subscriber<Segments> segments_;

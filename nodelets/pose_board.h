@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <vector>
@@ -13,11 +14,14 @@
 
 namespace voxid {
 
+struct ShelvedModel;
+
 /// What alignment found out about an object.
 struct AlignedObject {
   ModelPose pose;
-  float misfit = 1;  ///< of the pose, see Alignment
-  Answer name;       ///< count 0: it was not named
+  float misfit = 1;                           ///< of the pose, see Alignment
+  Answer name;                                ///< count 0: it was not named
+  std::shared_ptr<const ShelvedModel> model;  ///< null if none was found; PoseBoard does not keep it
 };
 
 /// What is shown of an object that was not aligned yet.

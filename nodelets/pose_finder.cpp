@@ -11,6 +11,7 @@
 #include "cloud_patch.h"
 #include "conversions.h"
 #include "model_pose.h"
+#include "voxid/geometry/object_memory.h"
 
 namespace voxid {
 namespace {
@@ -30,9 +31,11 @@ AlignedObject stateOnly(std::uint8_t status) {
   return object;
 }
 
-AlignedObject posed(const Index& index, std::uint32_t model, const ShelvedModel& shelved, const Alignment& alignment) {
+AlignedObject posed(const Index& index, std::uint32_t model, const std::shared_ptr<const ShelvedModel>& shelved,
+                    const Alignment& alignment) {
   AlignedObject found;
-  found.pose = modelPoseOf(alignment, shelved.model.surface(), shelved.symmetry);
+  found.model = shelved;
+  found.pose = modelPoseOf(alignment, shelved->model.surface(), shelved->symmetry);
   found.pose.label = std::string(index.categoryName(index.models()[model].category));
   found.pose.model = std::string(index.modelName(model));
   found.misfit = alignment.misfit;
@@ -103,6 +106,8 @@ void PoseFinder::start(ros::NodeHandle node, const ClassificationStartParams& at
   }
   setTrouble(trouble);
   node.setCallbackQueue(&queue_);
+  constexpr bool kLatched = true;
+  aligned_models_ = node.advertise<AlignedModels>("aligned_models", 1, kLatched);
   align_ = node.advertiseService("align_object", &PoseFinder::onAlign, this);
   classify_ = node.advertiseService("classify_cloud", &PoseFinder::onClassify, this);
   confirm_ = node.advertiseService("confirm_object", &PoseFinder::onConfirm, this);
@@ -183,9 +188,25 @@ AlignedObject PoseFinder::alignAndKeep(const AnsweredFrame& frame, std::size_t o
   };
   const std::uint64_t before = indices();
   const AlignedObject found = align(frame, object);
+  publishSurface(found);
   const std::lock_guard<std::mutex> lock(mutex_);
   if (indices_ == before) board_.put(frame.objects->objects[object], frame.image->header.stamp, found);
   return found;
+}
+
+/// Publishes its surface, unless that was done before.
+void PoseFinder::publishSurface(const AlignedObject& found) {
+  if (!found.model) return;
+  std::vector<AlignedModel>& models = tools_->aligned.models;
+  const bool known = std::any_of(models.begin(), models.end(), [&](const AlignedModel& model) {
+    return model.label == found.pose.label && model.model == found.pose.model;
+  });
+  if (known) return;
+  if (models.size() == ObjectMemory::kMostTracks) models.erase(models.begin());
+  models.push_back(alignedModelOf(found.model->model.surface()));
+  models.back().label = found.pose.label;
+  models.back().model = found.pose.model;
+  aligned_models_.publish(tools_->aligned);
 }
 
 PoseFinder::Tools* PoseFinder::tools() {
@@ -235,7 +256,7 @@ AlignedObject PoseFinder::poseOf(Tools& tools, const ObservedObject& object, con
   if (best == ranked.value.end()) return stateOnly(ModelPose::NOT_FOUND);
   const auto shelved = tools.aligner.shelf().find(best->model);
   if (!shelved.ok()) return stateOnly(ModelPose::NO_SURFACE);
-  return posed(*tools.index, best->model, *shelved.value, best->alignment);
+  return posed(*tools.index, best->model, shelved.value, best->alignment);
 }
 
 AlignedObject PoseFinder::nameOf(Tools& tools, const ObservedObject& object, const Nearest& nearest,
@@ -249,7 +270,7 @@ AlignedObject PoseFinder::nameOf(Tools& tools, const ObservedObject& object, con
   if (!named) name = tools.naming.name(nearest, candidates.value, min_score_permille);
   const auto best = tools.naming.pose(candidates.value, named ? *named : name.alternatives[0].category);
   if (best.model == nullptr) return stateOnly(ModelPose::NOT_FOUND);
-  AlignedObject found = posed(*tools.index, best.model->model, *best.model->shelved, best.alignment);
+  AlignedObject found = posed(*tools.index, best.model->model, best.model->shelved, best.alignment);
   found.name = name;
   return found;
 }

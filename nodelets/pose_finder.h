@@ -6,6 +6,7 @@
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
 #include <voxid/AlignObject.h>
+#include <voxid/AlignedModels.h>
 #include <voxid/ClassifyCloud.h>
 #include <voxid/ConfirmObject.h>
 #include <voxid/Segments.h>
@@ -37,8 +38,8 @@ struct AnsweredFrame {
 };
 
 /// Aligns CAD models with objects, names them by it, and answers align_object, classify_cloud and confirm_object, in
-/// a thread of its own that gives way to the frames' (nice 10). Of the parameters align, align_names, align_percent,
-/// models and confirmed_sizes.
+/// a thread of its own that gives way to the frames' (nice 10); publishes the surfaces of aligned models. Of the
+/// parameters align, align_names, align_percent, models and confirmed_sizes.
 class PoseFinder {
  public:
   ~PoseFinder();
@@ -67,6 +68,7 @@ class PoseFinder {
     Recogniser recogniser;
     ModelAligner aligner;  // without ~align_names
     AlignedNaming naming;  // with it
+    AlignedModels aligned;
   };
 
   static Mode modeOf(const std::string& name, std::string* trouble);
@@ -81,6 +83,7 @@ class PoseFinder {
   AlignedObject poseOf(Tools& tools, const ObservedObject& object, const Nearest& nearest);
   AlignedObject nameOf(Tools& tools, const ObservedObject& object, const Nearest& nearest, int min_score_permille,
                        std::optional<std::uint32_t> named);
+  void publishSurface(const AlignedObject& found);
   bool onAlign(AlignObject::Request& request, AlignObject::Response& response);
   bool onClassify(ClassifyCloud::Request& request, ClassifyCloud::Response& response);
   bool onConfirm(ConfirmObject::Request& request, ConfirmObject::Response& response);
@@ -105,6 +108,7 @@ class PoseFinder {
   std::string trouble_;
 
   ros::CallbackQueue queue_;
+  ros::Publisher aligned_models_;
   ros::ServiceServer align_, classify_, confirm_;
   std::atomic<bool> stop_{false};
   std::thread thread_;

@@ -7,6 +7,7 @@
 #include <voxid/ClassifyCloud.h>
 
 #include <fstream>
+#include <mutex>
 #include <set>
 
 #include "chain_fixture.h"
@@ -153,6 +154,46 @@ TEST_F(Aligned, AllObjectsGetTheirPosesWhileNoFrameIsLost) {
   EXPECT_NEAR(ball.extents_m.x, 0.12, 0.006);
   EXPECT_FALSE(ball.rotation_known);
   EXPECT_NEAR(eigenOf(ball.free_axis).norm(), 1, 1e-3);
+}
+
+/// How far a point of the camera's frame lies from the surface of the scene's box.
+double fromTheBox_m(const Eigen::Vector3d& p, const TableScene& scene) {
+  const Eigen::Vector3d inside =
+      scene.boxes[0].size_m / 2 - (scene.tableFromCamera() * p - scene.boxes[0].centre_m).cwiseAbs();
+  return std::abs(inside.minCoeff());
+}
+
+TEST_F(Aligned, TheMarkersShowTheSurfaceWhereItStands) {
+  startWith("all");
+  TableScene scene;
+  scene.balls.clear();
+  std::mutex mutex;
+  visualization_msgs::Marker surface;  // the newest
+  const boost::function<void(const visualization_msgs::MarkerArray&)> on = [&](const auto& array) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    for (const visualization_msgs::Marker& marker : array.markers)
+      if (marker.ns == "surface") surface = marker;
+  };
+  const auto newest = [&] {
+    const std::lock_guard<std::mutex> lock(mutex);
+    return surface;
+  };
+  const ros::Subscriber subscriber = node_.subscribe<visualization_msgs::MarkerArray>("markers", 1, on);
+  ASSERT_TRUE(showUntil(scene, [&](const Objects&) { return !newest().points.empty(); }));
+  const visualization_msgs::Marker shown = newest();
+  EXPECT_EQ(shown.header.frame_id, "camera");
+  ASSERT_EQ(shown.points.size(), 1000u);
+  const Eigen::Quaterniond turn = eigenOf(shown.pose.orientation);
+  Eigen::AlignedBox3d reach;
+  for (const geometry_msgs::Point& p : shown.points) {
+    ASSERT_LT(fromTheBox_m(turn * eigenOf(p) + eigenOf(shown.pose.position), scene), 0.008);
+    reach.extend(eigenOf(p));
+  }
+  EXPECT_GT(reach.diagonal().norm(), 0.95 * scene.boxes[0].size_m.norm());
+
+  scene.boxes.clear();
+  const auto deleted = [&](const Objects&) { return newest().action == visualization_msgs::Marker::DELETE; };
+  EXPECT_TRUE(showUntil(scene, deleted)) << "it has left";
 }
 
 TEST_F(Aligned, AnObjectIsAlignedWhenItIsAskedForAndUntilItMoves) {

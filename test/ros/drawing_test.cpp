@@ -22,7 +22,7 @@ using test::WallScene;
 
 TEST(Markers, BoxLabelAndOutline) {
   const Objects objects = numberedObjects();
-  const auto array = markersOf(objects, {});
+  const auto array = markersOf(objects, {}, {});
   ASSERT_EQ(array.markers.size(), 4u);
   const auto& outline = array.markers[0];
   EXPECT_EQ(outline.type, visualization_msgs::Marker::LINE_STRIP + 0);
@@ -76,7 +76,7 @@ TEST(Markers, AnAlignedModelIsItsBoxWithItsAxes) {
   Objects objects = numberedObjects();
   ModelPose& model = objects.objects[0].model_pose;
   model.rotation_known = true;
-  const auto marker = markersOf(objects, {}).markers[3];
+  const auto marker = markersOf(objects, {}, {}).markers[3];
   EXPECT_EQ(marker.ns, "model");
   EXPECT_EQ(marker.id, 3);
   EXPECT_EQ(marker.type, visualization_msgs::Marker::LINE_LIST + 0);
@@ -91,12 +91,39 @@ TEST(Markers, AnAlignedModelIsItsBoxWithItsAxes) {
   EXPECT_NEAR(endsOf(marker, 0, 1, 0)[1].y(), 0.0875, 1e-6) << "the model's y is green";
 
   model.rotation_known = false;
-  const auto free = markersOf(objects, {}).markers[3];
+  const auto free = markersOf(objects, {}, {}).markers[3];
   EXPECT_TRUE(endsOf(free, 0, 1, 0).empty());
   const auto axis = endsOf(free, 1, 1, 0);
   ASSERT_EQ(axis.size(), 2u);
   const Eigen::Vector3d along = eigenOf(free.pose.orientation) * (axis[1] - axis[0]).normalized();
   EXPECT_LT((along - eigenOf(model.free_axis)).norm(), 1e-6);
+}
+
+/// Three corners of a unit box of the model that numberedModelPose() names, after another of the same name.
+AlignedModels numberedModels() {
+  AlignedModels models;
+  models.models.resize(2);
+  for (AlignedModel& model : models.models) model.model = "cup-9";
+  models.models[0].label = "jug";
+  models.models[1].label = "cup";
+  models.models[0].points.resize(7);
+  models.models[1].points.resize(3);
+  models.models[1].points[0].x = models.models[1].points[1].y = models.models[1].points[2].z = 0.5f;
+  return models;
+}
+
+TEST(Markers, TheSurfaceOfAnAlignedModelIsItsPoints) {
+  Objects objects = numberedObjects();
+  const auto marker = markersOf(objects, numberedModels(), {}).markers[4];
+  EXPECT_EQ(marker.ns, "surface");
+  EXPECT_EQ(marker.id, 3);
+  EXPECT_EQ(marker.header.frame_id, "base");
+  EXPECT_EQ(marker.type, visualization_msgs::Marker::POINTS + 0);
+  EXPECT_EQ(marker.pose, objects.objects[0].model_pose.pose.pose);
+  EXPECT_FLOAT_EQ(marker.color.g, (1 + colourOf(3)[1] / 255.0f) / 2);
+  ASSERT_EQ(marker.points.size(), 3u);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_LT((eigenOf(marker.points[i]) - 0.0875 * Eigen::Vector3d::Unit(i)).norm(), 1e-6) << "scale_m is 0.175";
 }
 
 TEST(Markers, WhatIsGoneIsDeleted) {
@@ -107,18 +134,19 @@ TEST(Markers, WhatIsGoneIsDeleted) {
     return names;
   };
   Objects objects = numberedObjects();
-  const auto all = markersOf(objects, {});
-  EXPECT_TRUE(deleted(markersOf(objects, all)).empty());
+  const AlignedModels models = numberedModels();
+  const auto all = markersOf(objects, models, {});
+  EXPECT_TRUE(deleted(markersOf(objects, models, all)).empty());
   objects.objects[0].model_pose.status = ModelPose::WAITING;  // it was moved
-  const auto moved = markersOf(objects, all);
-  EXPECT_EQ(deleted(moved), (std::set<std::string>{"model3"}));
+  const auto moved = markersOf(objects, models, all);
+  EXPECT_EQ(deleted(moved), (std::set<std::string>{"model3", "surface3"}));
   objects.objects[0].id = 4;
-  EXPECT_EQ(deleted(markersOf(objects, moved)), (std::set<std::string>{"box3", "label3"}));
+  EXPECT_EQ(deleted(markersOf(objects, models, moved)), (std::set<std::string>{"box3", "label3"}));
   objects.objects.clear();
   objects.table = {};
-  const auto gone = markersOf(objects, all);
-  EXPECT_EQ(deleted(gone), (std::set<std::string>{"table0", "box3", "label3", "model3"}));
-  EXPECT_TRUE(markersOf(objects, gone).markers.empty()) << "said once";
+  const auto gone = markersOf(objects, models, all);
+  EXPECT_EQ(deleted(gone), (std::set<std::string>{"table0", "box3", "label3", "model3", "surface3"}));
+  EXPECT_TRUE(markersOf(objects, models, gone).markers.empty()) << "said once";
 }
 
 TEST(Overlay, ColoursTheObjectAndNothingElse) {
