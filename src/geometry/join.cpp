@@ -28,6 +28,7 @@ constexpr std::size_t kTouchGap_px = 4;
 constexpr int kRimsWithin_mm = 8;
 constexpr std::int64_t kWidestVessel_um = 400000;
 constexpr std::int64_t kFewestSagitta_um = 8000;
+constexpr int kWallRowStep = 3;  // of a wall's rows every third shows its shape as well
 
 constexpr int kTopPercentile = 97;
 constexpr int kHighest_mm = 2000;
@@ -44,26 +45,11 @@ std::uint32_t roundedUp(std::uint32_t value, int step) {
 /// Of the image's lines every second one is looked at, from 640 columns on.
 int lineStep(int width_px) { return std::max(1, width_px / 320); }
 
+/// Between two pieces every fourth pixel of a line is looked at, at 640 columns: what cuts an object is wider.
+int gapStep(int width_px) { return std::max(1, width_px / 160); }
+
 SearchEnd endOfSearch(int own, std::int32_t own_um, std::int32_t least) {
   return {own, inverseOf(own_um + kDepthsWithin_um), inverseOf(own_um - kDepthsWithin_um), least};
-}
-
-constexpr int kPassedAtOnce = 32;
-
-/// Whether none of kPassedAtOnce pixels ends the search. If so, `between` takes in their least inverse depth.
-VOXID_VECTORISED bool allPass(const std::int32_t* values, const std::uint8_t* pieces, const SearchEnd& end,
-                              std::int32_t& between) {
-  const SearchEnd e = end;
-  std::int32_t ends = 0;
-  std::uint32_t before_least = static_cast<std::uint32_t>(between) - 1;  // missing depth is the largest of these
-  for (int i = 0; i < kPassedAtOnce; ++i) {
-    const std::int32_t piece = pieces[i], value = values[i];
-    ends |= static_cast<std::int32_t>(e.isOwn(piece)) | static_cast<std::int32_t>(e.isFaced(piece, value)) |
-            static_cast<std::int32_t>(e.isBehind(value));
-    before_least = std::min(before_least, static_cast<std::uint32_t>(value) - 1);
-  }
-  if (ends == 0) between = static_cast<std::int32_t>(before_least + 1);
-  return ends == 0;
 }
 
 VOXID_VECTORISED std::uint32_t countBelow(std::int32_t limit, const std::int32_t* values, std::size_t count) {
@@ -180,24 +166,19 @@ void Joiner::takePieces(const Surface& surface, std::size_t fewest, const Compon
   }
 }
 
-/// The piece that a line's pixel faces. Along a row many pixels are passed at once.
+/// The piece that a line's pixel faces.
 Joiner::Faced Joiner::facedBack(const InverseDepth& inverse, const Line& line, const SearchEnd& end) const {
+  const int step = gapStep(inverse.width_px);
   std::int32_t between = inverseOf(1000);
-  int k = 1;
-  if (line.stride == 1) {
-    const auto farthestOf = [&](int first) { return line.pixel - static_cast<std::size_t>(first + kPassedAtOnce - 1); };
-    while (k + kPassedAtOnce - 1 <= line.farthest_px &&
-           allPass(inverse.values.data() + farthestOf(k), piece_.data() + farthestOf(k), end, between)) {
-      k += kPassedAtOnce;
-    }
-  }
-  for (; k <= line.farthest_px; ++k) {
+  for (int k = 1; k <= line.farthest_px; k += step) {
     const std::size_t p = line.pixel - static_cast<std::size_t>(k) * line.stride;
+    const int piece = piece_[p];
     const std::int32_t value = inverse.values[p];
-    if (end.isOwn(piece_[p])) return {};
-    if (end.isFaced(piece_[p], value)) return {piece_[p], k, value, between};
-    if (end.isBehind(value)) return {};
-    if (value > 0) between = std::min(between, value);
+    if (piece == end.own) return {};
+    if (piece != 0 && value >= end.farthest && value <= end.nearest) return {piece, k, value, between};
+    if (value == 0) continue;
+    if (value < end.least) return {};
+    between = std::min(between, value);
   }
   return {};
 }
@@ -320,8 +301,12 @@ bool Joiner::wallsOfVessel(int a, int b, const Surface& surface, const Component
 /// A vessel's far wall, seen from inside, is hollow towards the viewer, its near wall bulges.
 bool Joiner::farAndNearWall(const Piece& far, const Piece& near, const Surface& surface, const Components& components) {
   const auto place = [&](const Piece& piece) {
+    const Span<const Run> runs = components.runsOf(piece.part);
+    const int first_row = surface.row(runs[0].begin);
     placed_.clear(components.pixelsIn(piece.part));
-    for (const Run& run : components.runsOf(piece.part)) surface.place(run, placed_);
+    for (const Run& run : runs) {
+      if ((surface.row(run.begin) - first_row) % kWallRowStep == 0) surface.place(run, placed_);
+    }
   };
   place(far);
   const ViewerAxes axes = axesTowards(placed_);
@@ -340,18 +325,15 @@ bool Joiner::farAndNearWall(const Piece& far, const Piece& near, const Surface& 
 /// In whole millimetres, rounded down, at most kHighest_mm.
 int Joiner::topOf(Piece& piece, const Surface& surface, const Components& components) {
   if (piece.top_mm >= 0) return piece.top_mm;
-  const std::size_t pixels = components.pixelsIn(piece.part);
-  heights_um_.resize(std::max(heights_um_.size(), pixels));
+  heights_um_.resize(std::max(heights_um_.size(), components.pixelsIn(piece.part)));
   std::int32_t* end = heights_um_.data();
-  for (const Run& run : components.runsOf(piece.part)) {
-    surface.heights(run, end);
-    end += run.size();
-  }
+  for (const Run& run : components.runsOf(piece.part)) end = surface.heights(run, end);
+  const auto samples = static_cast<std::size_t>(end - heights_um_.data());
   int low_mm = 0, high_mm = kHighest_mm;
   while (low_mm < high_mm) {
     const int middle_mm = (low_mm + high_mm) / 2;
-    const std::size_t below = countBelow((middle_mm + 1) * 1000, heights_um_.data(), pixels);
-    if (below * 100 < pixels * kTopPercentile)
+    const std::size_t below = countBelow((middle_mm + 1) * 1000, heights_um_.data(), samples);
+    if (below * 100 < samples * kTopPercentile)
       low_mm = middle_mm + 1;
     else
       high_mm = middle_mm;

@@ -16,10 +16,6 @@ struct SearchEnd {
   int own;
   std::int32_t farthest, nearest;  ///< inverse depths at which another piece faces the pixel
   std::int32_t least;              ///< all between must be nearer than that inverse depth; 0 = whatever lies between
-
-  bool isOwn(int piece) const { return piece == own; }
-  bool isFaced(int piece, std::int32_t value) const { return (piece != 0) & (value >= farthest) & (value <= nearest); }
-  bool isBehind(std::int32_t value) const { return (value > 0) & (value < least); }
 };
 
 class Joiner {
@@ -75,7 +71,7 @@ class Joiner {
   std::vector<Piece> pieces_;        // the first is no piece
   std::vector<std::uint8_t> piece_;  // by pixel
   std::vector<Lines> lines_;
-  std::vector<std::int32_t> heights_um_;  // of one piece's pixels
+  std::vector<std::int32_t> heights_um_;  // of every fourth of one piece's pixels
   PlacedPoints placed_;                   // of one piece
 };
 
