@@ -127,6 +127,22 @@ void PoseBoard::put(const Object& object, const ros::Time& stamp, const AlignedO
   entry.last_try = stamp;
 }
 
+void PoseBoard::confirm(const Object& object, const ros::Time& stamp, const Answer& name) {
+  if (object.number == 0) return;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const Entry anew = Entry::begin(Place::of(object), stamp);
+  Entry& entry = entries_.try_emplace(object.number, anew).first->second;
+  const Answer& before = entry.found.name;
+  const bool the_same = before.count > 0 && before.alternatives[0].category == name.alternatives[0].category;
+  if (!the_same || !entry.usual.holds(anew.usual)) entry = anew;
+  entry.found.name = name;
+}
+
+bool PoseBoard::empty() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return entries_.empty();
+}
+
 void PoseBoard::clear() {
   const std::lock_guard<std::mutex> lock(mutex_);
   entries_.clear();

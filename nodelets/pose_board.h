@@ -30,13 +30,13 @@ struct Unaligned {
   bool holds_label = true;  ///< it is about to be named: after its first second its label waits for that
 };
 
-/// The models' poses and the names that were found, by the number of the object. The first name holds until the object
-/// is moved, and later tries look for a better pose under it: so the label of a resting object changes at most once
-/// after its first second. A pose holds while the object also is where it was aligned: a camera that goes round, or a
-/// push, leave the name only.
-/// An object is moved if its visible box stays away from where it used to be for ObjectMemory::kExchangedAfter_ms. The
-/// box of a resting thing wanders, too, as the segmentation cuts a part off or not; but then its extents change, by
-/// twice as much. No clock: time is that of the frames. Thread-safe; no call waits for an alignment.
+/// The models' poses and the names that were found, by the number of the object. The first name, unless somebody has
+/// said another, holds until the object is moved, and later tries look for a better pose under it: so the label of a
+/// resting object changes at most once after its first second. A pose holds while the object also is where it was
+/// aligned: a camera that goes round, or a push, leave the name only. An object is moved if its visible box stays away
+/// from where it used to be for ObjectMemory::kExchangedAfter_ms. The box of a resting thing wanders, too, as the
+/// segmentation cuts a part off or not; but then its extents change, by twice as much. No clock: time is that of the
+/// frames. Thread-safe; no call waits for an alignment.
 class PoseBoard {
  public:
   static constexpr double kRest_m = 0.015;  ///< the centre of a resting thing's box wanders by less with equal extents
@@ -52,12 +52,18 @@ class PoseBoard {
   /// Which object of the frame to align next: one not yet tried, else one with tries left; none: nothing is to be done.
   std::optional<std::size_t> next(const Objects& objects) const;
 
-  /// The category that an object was named by alignment; none: it was not, or is elsewhere.
+  /// The category that an object was named by alignment, or by confirm(); none: it was not, or is elsewhere.
   std::optional<std::uint32_t> categoryOf(const Object& object) const;
 
   /// What one try gave for an object as it was seen at `stamp`: its pose is kept if it is the first or fits better, its
   /// name if it is the first. Nothing is kept of an object that has moved meanwhile.
   void put(const Object& object, const ros::Time& stamp, const AlignedObject& found);
+
+  /// Somebody says what the object is, as it was seen at `stamp`: that name holds until it is moved. A pose that was
+  /// found before is kept only if it was named that already.
+  void confirm(const Object& object, const ros::Time& stamp, const Answer& name);
+
+  bool empty() const;  ///< nothing is known of any object
 
   /// Numbers begin anew: another index, or a memory that was cleared.
   void clear();

@@ -42,11 +42,7 @@ AlignedObject posed(const Index& index, std::uint32_t model, const std::shared_p
   return found;
 }
 
-void keepCategory(const Index& index, std::uint32_t category, std::vector<SketchedModel>* candidates) {
-  const auto other = [&](const SketchedModel& model) { return index.models()[model.model].category != category; };
-  candidates->erase(std::remove_if(candidates->begin(), candidates->end(), other), candidates->end());
-}
-
+constexpr char kNoIndex[] = "no index is loaded to compare with";
 constexpr char kNoFrame[] = "no frame has been answered yet: frames are, while somebody listens to objects";
 
 std::string notShown(std::uint32_t number) {
@@ -61,11 +57,26 @@ std::optional<std::size_t> placeOf(const Objects& objects, std::uint32_t number)
   return {};
 }
 
-bool hasCategory(const Index& index, const std::string& name) {
+std::optional<std::uint32_t> categoryNamed(const Index& index, const std::string& name) {
   for (std::uint32_t i = 0; i < index.categories().size; ++i) {
-    if (index.categoryName(i) == name) return true;
+    if (index.categoryName(i) == name) return i;
   }
-  return false;
+  return {};
+}
+
+/// It is `first` for certain; what else it was taken for keeps its order.
+Answer certainly(Alternative first, const Answer& by_codes) {
+  Answer answer;
+  answer.margin_permille = by_codes.margin_permille;
+  answer.score_permille = first.score_permille = 1000;
+  answer.alternatives[0] = first;
+  answer.count = 1;
+  for (int i = 0; i < by_codes.count && answer.count < Answer::kMaxAlternatives; ++i) {
+    Alternative other = by_codes.alternatives[static_cast<std::size_t>(i)];
+    other.score_permille = 0;
+    if (other.category != first.category) answer.alternatives[static_cast<std::size_t>(answer.count++)] = other;
+  }
+  return answer;
 }
 
 /// Mean of the points, metres.
@@ -97,7 +108,7 @@ void PoseFinder::start(ros::NodeHandle node, const ClassificationStartParams& at
   models_ = at_start.models;
   percent_ = at_start.align_percent;
   names_ = at_start.align_names;
-  confirms_ = !at_start.confirmed_sizes.empty();
+  keeps_sizes_ = !at_start.confirmed_sizes.empty();
   std::string trouble;
   mode_ = modeOf(at_start.align, &trouble);
   if (mode_ != Mode::Off && !at_start.memory) {
@@ -131,14 +142,13 @@ void PoseFinder::setIndex(const std::shared_ptr<const Index>& index, const std::
 }
 
 void PoseFinder::show(int min_score_permille, Objects* objects, std::vector<Answer>* answers) {
-  if (mode_ == Mode::Off) return;
+  if (mode_ == Mode::Off && board_.empty()) return;
   const bool all = mode_ == Mode::All;
-  board_.show({all ? ModelPose::WAITING : ModelPose::NOT_SELECTED, all && names_}, min_score_permille, objects,
-              answers);
+  const std::uint8_t status = all ? ModelPose::WAITING : mode_ == Mode::Off ? ModelPose::OFF : ModelPose::NOT_SELECTED;
+  board_.show({status, all && names_}, min_score_permille, objects, answers);
 }
 
 void PoseFinder::offer(AnsweredFrame frame) {
-  if (mode_ == Mode::Off && !confirms_) return;
   const std::lock_guard<std::mutex> lock(mutex_);
   std::swap(frame_, frame);  // the one before is let go outside
 }
@@ -156,6 +166,11 @@ void PoseFinder::setTrouble(const std::string& sentence) {
 AnsweredFrame PoseFinder::frame() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return frame_;
+}
+
+std::uint64_t PoseFinder::indices() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return indices_;
 }
 
 void PoseFinder::run() {
@@ -182,10 +197,6 @@ bool PoseFinder::alignNext() {
 
 /// While it is aligned, numbers and categories may begin anew.
 AlignedObject PoseFinder::alignAndKeep(const AnsweredFrame& frame, std::size_t object) {
-  const auto indices = [this] {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return indices_;
-  };
   const std::uint64_t before = indices();
   const AlignedObject found = align(frame, object);
   publishSurface(found);
@@ -211,7 +222,7 @@ void PoseFinder::publishSurface(const AlignedObject& found) {
 
 PoseFinder::Tools* PoseFinder::tools() {
   std::shared_ptr<const Index> index;
-  std::shared_ptr<const AnswerScope> scope;
+  std::shared_ptr<AnswerScope> scope;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     index = index_;
@@ -241,7 +252,7 @@ AlignedObject PoseFinder::align(const AnsweredFrame& frame, std::size_t object) 
 /// `named`: the category that the object was named before; it is then looked for alone.
 AlignedObject PoseFinder::align(Tools& tools, const ObservedObject& object, const ClassifyParams& params,
                                 std::optional<std::uint32_t> named) {
-  const Nearest* const nearest = tools.recogniser.nearest(object.depth, object.pixels, params);
+  const Nearest* const nearest = tools.recogniser.nearest(object.depth, object.pixels, params, named);
   if (!nearest) return stateOnly(ModelPose::NOT_FOUND);
   if (names_) return nameOf(tools, object, *nearest, params.min_score_permille, named);
   return poseOf(tools, object, *nearest);
@@ -264,7 +275,6 @@ AlignedObject PoseFinder::nameOf(Tools& tools, const ObservedObject& object, con
   auto candidates = tools.naming.candidates(tools.recogniser.code().data(), nearest);
   setTrouble(candidates.status.sentence);
   if (!candidates.ok()) return stateOnly(ModelPose::NO_SURFACE);
-  if (named) keepCategory(*tools.index, *named, &candidates.value);
   tools.naming.sketch(object, candidates.value);
   Answer name;
   if (!named) name = tools.naming.name(nearest, candidates.value, min_score_permille);
@@ -303,7 +313,7 @@ bool PoseFinder::onAlign(AlignObject::Request& request, AlignObject::Response& r
 bool PoseFinder::onClassify(ClassifyCloud::Request& request, ClassifyCloud::Response& response) {
   Tools* const tools = this->tools();
   if (!tools) {
-    response.message = "no index is loaded to compare with";
+    response.message = kNoIndex;
     return true;
   }
   const Result<CloudPatch> patch = CloudPatch::of(request.cloud);
@@ -328,37 +338,50 @@ bool PoseFinder::onClassify(ClassifyCloud::Request& request, ClassifyCloud::Resp
   return true;
 }
 
-Result<int> PoseFinder::longest_mm(const AnsweredFrame& frame, std::uint32_t number) const {
-  if (!confirms_) return Status::cannotDo("~confirmed_sizes names no file to keep sizes in");
-  if (!frame.objects) return Status::cannotDo(kNoFrame);
-  const auto wanted = placeOf(*frame.objects, number);
-  if (!wanted) return Status::cannotDo(notShown(number));
-  const Result<DepthView> depth = viewOf(*frame.image, *frame.info);
-  if (!depth.ok()) return depth.status;
-  const std::vector<std::uint32_t>& pixels = frame.segments->segments[*wanted].pixels;
-  return static_cast<int>(std::lround(LongestExtent().of_mm(depth.value, {pixels.data(), pixels.size()})));
+bool PoseFinder::onConfirm(ConfirmObject::Request& request, ConfirmObject::Response& response) {
+  const Result<std::string> confirmed = confirm(request.number, request.category);
+  response.success = confirmed.ok();
+  response.message = confirmed.ok() ? confirmed.value : confirmed.status.sentence;
+  return true;
 }
 
-bool PoseFinder::onConfirm(ConfirmObject::Request& request, ConfirmObject::Response& response) {
-  const Result<int> longest_mm = this->longest_mm(frame(), request.number);
-  response.message = longest_mm.status.sentence;
-  if (!longest_mm.ok()) return true;
-  std::shared_ptr<const Index> index;
-  std::shared_ptr<AnswerScope> scope;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    index = index_;
-    scope = scope_;
+/// Says how long the object is.
+Result<std::string> PoseFinder::confirm(std::uint32_t number, const std::string& category) {
+  const std::uint64_t before = indices();
+  const AnsweredFrame newest = frame();
+  Tools* const tools = this->tools();
+  if (!newest.objects) return Status::cannotDo(kNoFrame);
+  if (!tools) return Status::cannotDo(kNoIndex);
+  const auto wanted = placeOf(*newest.objects, number);
+  if (!wanted) return Status::cannotDo(notShown(number));
+  const auto known = categoryNamed(*tools->index, category);
+  if (!known) return Status::cannotDo("the index has no category '" + category + "'");
+  const Result<DepthView> depth = viewOf(*newest.image, *newest.info);
+  if (!depth.ok()) return depth.status;
+  const std::vector<std::uint32_t>& listed = newest.segments->segments[*wanted].pixels;
+  const Span<const std::uint32_t> pixels{listed.data(), listed.size()};
+  const int longest_mm = static_cast<int>(std::lround(LongestExtent().of_mm(depth.value, pixels)));
+  const Status kept = keeps_sizes_ ? tools->scope->confirm(*tools->index, category, longest_mm) : Status{};
+  if (!kept.ok()) return kept;
+  const Answer answer = confirmedAnswer(depth.value, pixels, *known);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (indices_ == before) board_.confirm(newest.objects->objects[*wanted], newest.image->header.stamp, answer);
+  return category + ": " + std::to_string(longest_mm) + (keeps_sizes_ ? " mm, kept" : " mm");
+}
+
+/// With the view of the category that is nearest.
+Answer PoseFinder::confirmedAnswer(const DepthView& depth, Span<const std::uint32_t> pixels, std::uint32_t category) {
+  Recogniser& recogniser = tools_->recogniser;
+  const ClassifyParams params = params_();
+  const Answer by_codes = recogniser.recognise(depth, pixels, params);
+  Alternative confirmed;
+  confirmed.category = category;
+  const Nearest* const nearest = recogniser.nearest(depth, pixels, params, category);
+  if (nearest && !nearest->views.empty()) {
+    confirmed.view = nearest->views[0].view;
+    confirmed.distance = nearest->views[0].distance;
   }
-  if (!index || !hasCategory(*index, request.category)) {
-    response.message = "the index has no category '" + request.category + "'";
-    return true;
-  }
-  const Status kept = scope->confirm(*index, request.category, longest_mm.value);
-  response.success = kept.ok();
-  response.message =
-      kept.ok() ? request.category + ": " + std::to_string(longest_mm.value) + " mm, kept" : kept.sentence;
-  return true;
+  return certainly(confirmed, by_codes);
 }
 
 }  // namespace voxid

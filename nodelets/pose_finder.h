@@ -61,10 +61,10 @@ class PoseFinder {
   enum class Mode { Off, Selected, All };
   /// Of one index; the thread's own.
   struct Tools {
-    Tools(const std::shared_ptr<const Index>& of, const std::shared_ptr<const AnswerScope>& scope,
-          const std::string& models)
-        : index(of), recogniser(of, scope), aligner(of, models), naming(of, models) {}
+    Tools(const std::shared_ptr<const Index>& of, const std::shared_ptr<AnswerScope>& with, const std::string& models)
+        : index(of), scope(with), recogniser(of, with), aligner(of, models), naming(of, models) {}
     std::shared_ptr<const Index> index;
+    std::shared_ptr<AnswerScope> scope;
     Recogniser recogniser;
     ModelAligner aligner;  // without ~align_names
     AlignedNaming naming;  // with it
@@ -76,6 +76,7 @@ class PoseFinder {
   bool alignNext();
   Tools* tools();
   AnsweredFrame frame() const;
+  std::uint64_t indices() const;
   AlignedObject alignAndKeep(const AnsweredFrame& frame, std::size_t object);
   AlignedObject align(const AnsweredFrame& frame, std::size_t object);
   AlignedObject align(Tools& tools, const ObservedObject& object, const ClassifyParams& params,
@@ -87,14 +88,15 @@ class PoseFinder {
   bool onAlign(AlignObject::Request& request, AlignObject::Response& response);
   bool onClassify(ClassifyCloud::Request& request, ClassifyCloud::Response& response);
   bool onConfirm(ConfirmObject::Request& request, ConfirmObject::Response& response);
-  Result<int> longest_mm(const AnsweredFrame& frame, std::uint32_t number) const;
+  Result<std::string> confirm(std::uint32_t number, const std::string& category);
+  Answer confirmedAnswer(const DepthView& depth, Span<const std::uint32_t> pixels, std::uint32_t category);
   void setTrouble(const std::string& sentence);
 
   Mode mode_ = Mode::Off;
   std::string models_;
   int percent_ = 50;
   bool names_ = true;
-  bool confirms_ = false;
+  bool keeps_sizes_ = false;
   std::function<ClassifyParams()> params_;
   PoseBoard board_;
   std::unique_ptr<Tools> tools_;

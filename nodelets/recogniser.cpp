@@ -10,10 +10,16 @@ Recogniser::Recogniser(std::shared_ptr<const Index> index, std::shared_ptr<const
       code_(index_->parameters().code_bytes) {}
 
 const Nearest* Recogniser::nearest(const DepthView& depth, Span<const std::uint32_t> pixels,
-                                   const ClassifyParams& params) {
+                                   const ClassifyParams& params, std::optional<std::uint32_t> only) {
   if (encoder_->encode(depth, pixels, code_.data()) != DescribeStatus::Ok) return nullptr;
   SearchScope scope;
-  if (scope_) scope.categories = scope_->of(depth, pixels, workspace_);
+  if (only) {
+    only_.assign(index_->categories().size, 0);
+    only_[*only] = 1;
+    scope.categories = {only_.data(), only_.size()};
+  } else if (scope_) {
+    scope.categories = scope_->of(depth, pixels, workspace_);
+  }
   return &searchFor(params).find(code_.data(), scope);
 }
 

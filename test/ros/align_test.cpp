@@ -5,6 +5,7 @@
 #include <sensor_msgs/point_cloud2_iterator.h>
 #include <voxid/AlignObject.h>
 #include <voxid/ClassifyCloud.h>
+#include <voxid/ConfirmObject.h>
 
 #include <fstream>
 #include <mutex>
@@ -315,6 +316,24 @@ TEST_F(AlignedNames, AnObjectThatRestsIsNamedByItsModel) {
   } while ((moved->header.stamp - since).toSec() < 0.25);
   EXPECT_TRUE(labelled(*moved, "ashtray")) << "the name goes with the pose";
   EXPECT_TRUE(showUntil(scene, [](const Objects& o) { return isAligned(o, "box"); }));
+}
+
+TEST_F(AlignedNames, WhatSomebodyCallsItIsAlignedAsThat) {
+  startWith("all");
+  const ObjectsConstPtr named = showUntil(TableScene(), [](const Objects& o) { return isAligned(o, "box"); });
+  ASSERT_TRUE(named);
+  ConfirmObject call;
+  call.request.number = labelled(*named, "box")->number;
+  call.request.category = "ashtray";
+  ASSERT_TRUE(ros::service::call(name_ + "/confirm_object", call));
+  ASSERT_TRUE(call.response.success) << call.response.message;
+  const ObjectsConstPtr next = objectsFor(TableScene().depth_mm());
+  ASSERT_TRUE(next && labelled(*next, "ashtray"));
+  EXPECT_NE(labelled(*next, "ashtray")->model_pose.label, "box") << "its pose was a box's";
+  const ObjectsConstPtr after = showUntil(TableScene(), [](const Objects& o) { return isAligned(o, "ashtray"); });
+  ASSERT_TRUE(after);
+  EXPECT_EQ(labelled(*after, "ashtray")->model_pose.model, "twin-1");
+  EXPECT_EQ(labelled(*after, "ashtray")->score, 1);
 }
 
 TEST_F(AlignedNames, WithoutAlignNamesLabelsAreThoseOfTheCodes) {

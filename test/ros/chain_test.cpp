@@ -178,13 +178,64 @@ TEST_F(Chain, AConfirmedSizeIsKeptAndCounts) {
   std::filesystem::remove(kept);
 }
 
-TEST_F(Chain, WithoutAFileNoSizeIsKept) {
-  test::writeSceneIndex(index_path_);
-  start();
-  ASSERT_TRUE(objectsFor(TableScene().depth_mm()));
-  ConfirmObject call;
-  ASSERT_TRUE(ros::service::call(name_ + "/confirm_object", call));
-  EXPECT_EQ(call.response.message, "~confirmed_sizes names no file to keep sizes in");
+/// Says that the scene's box is a ball.
+class ConfirmedName : public Chain {
+ protected:
+  void confirmTheBox() {
+    test::writeSceneIndex(index_path_);
+    start();
+    const ObjectsConstPtr objects = objectsFor(scene_.depth_mm());
+    ASSERT_TRUE(objects && labelled(*objects, "box"));
+    number_ = labelled(*objects, "box")->number;
+    ConfirmObject call;
+    call.request.number = number_;
+    call.request.category = "ball";
+    ASSERT_TRUE(ros::service::call(name_ + "/confirm_object", call));
+    EXPECT_TRUE(call.response.success) << call.response.message;
+    EXPECT_EQ(call.response.message.substr(0, 6), "ball: ");
+    EXPECT_EQ(call.response.message.find("kept"), std::string::npos) << "there is no file";
+  }
+  const Object* theBox(const Objects& objects) const {
+    for (const Object& object : objects.objects)
+      if (object.number == number_) return &object;
+    return nullptr;
+  }
+
+  TableScene scene_;
+  std::uint32_t number_ = 0;
+};
+
+TEST_F(ConfirmedName, IsThatOfTheNextFramesWhileItRests) {
+  confirmTheBox();
+  Listener<Objects> listener(node_, "objects");
+  for (int frame = 0; frame < 5; ++frame) {
+    const ObjectsConstPtr objects = answerTo(scene_.depth_mm(), listener);
+    ASSERT_TRUE(objects && theBox(*objects));
+    const Object* const box = theBox(*objects);
+    EXPECT_EQ(box->label, "ball");
+    EXPECT_EQ(box->score, 1);
+    EXPECT_EQ(box->synset, 2778669u);
+    EXPECT_EQ(box->model, "ball-3");
+    ASSERT_EQ(box->alternatives.size(), 2u);
+    EXPECT_EQ(box->alternatives[1].label, "box");
+    EXPECT_EQ(box->alternatives[1].score, 0);
+    EXPECT_GT(box->distance, box->alternatives[1].distance);
+    EXPECT_EQ(box->model_pose.status, ModelPose::OFF + 0);
+    EXPECT_EQ(std::count_if(objects->objects.begin(), objects->objects.end(),
+                            [](const Object& object) { return object.label == "ball"; }),
+              2)
+        << "the ball is one by its code";
+  }
+}
+
+TEST_F(ConfirmedName, GoesWhenItIsMoved) {
+  confirmTheBox();
+  scene_.boxes[0].centre_m.x() -= 0.03;
+  Listener<Objects> listener(node_, "objects");
+  EXPECT_TRUE(test::eventually(5, [&] {
+    const ObjectsConstPtr objects = answerTo(scene_.depth_mm(), listener);
+    return objects && theBox(*objects) && theBox(*objects)->label == "box";
+  }));
 }
 
 TEST_F(Chain, AnObjectKeepsItsNumberAndAMovedOneHasANewOne) {

@@ -181,6 +181,46 @@ TEST(PoseBoard, WhatDriftsLosesItsPoseAndKeepsItsName) {
   EXPECT_EQ(label(board, frame(104.2, {{7, 0.118}})), 4u);
 }
 
+Answer answerThatIs(std::uint32_t category) {
+  Answer answer = named(category, "", 1).name;
+  answer.score_permille = 1000;
+  return answer;
+}
+
+TEST(PoseBoard, WhatSomebodySaysHoldsAgainstCodesAndModelsUntilItIsMoved) {
+  PoseBoard board;
+  EXPECT_TRUE(board.empty());
+  const Object object = frame(100, {{7, 0}}).objects[0];
+  board.confirm(object, ros::Time(100), answerThatIs(9));
+  EXPECT_FALSE(board.empty());
+  EXPECT_EQ(label(board, frame(100, {{7, 0}})), 9u) << "at once";
+  board.put(object, ros::Time(101), named(4, "mug-1", 0.2f));
+  EXPECT_EQ(label(board, frame(101, {{7, 0}})), 9u);
+  EXPECT_EQ(board.categoryOf(object), std::optional<std::uint32_t>(9)) << "further tries look for it alone";
+  label(board, frame(102, {{7, 0.03}}));
+  EXPECT_EQ(label(board, frame(102.3, {{7, 0.03}})), 1u);
+}
+
+TEST(PoseBoard, APoseIsKeptIfItsNameIsConfirmed) {
+  PoseBoard board;
+  nameSeven(board, 100);
+  const Object object = frame(100, {{7, 0}}).objects[0];
+  board.confirm(object, ros::Time(101), answerThatIs(4));
+  EXPECT_EQ(shown(board, 101, 0).model, "mug-1");
+  EXPECT_EQ(answered(board, frame(101, {{7, 0}})).score_permille, 1000);
+  board.confirm(object, ros::Time(102), answerThatIs(5));
+  EXPECT_EQ(shown(board, 102, 0).status, ModelPose::WAITING + 0);
+  EXPECT_EQ(board.next(frame(102, {{7, 0}})), std::optional<std::size_t>(0)) << "it is aligned anew";
+}
+
+TEST(PoseBoard, WhatIsConfirmedInAnotherPlaceIsNamedThere) {
+  PoseBoard board;
+  nameSeven(board, 100);
+  board.confirm(frame(101, {{7, 0.03}}).objects[0], ros::Time(101), answerThatIs(4));
+  for (const double seconds : {101.1, 101.5, 103.0}) EXPECT_EQ(label(board, frame(seconds, {{7, 0.03}})), 4u);
+  EXPECT_EQ(shown(board, 103, 0.03).status, ModelPose::WAITING + 0);
+}
+
 TEST(PoseBoard, WhatWasAlignedBeforeItMovedIsNotKept) {
   PoseBoard board;
   label(board, frame(100, {{7, 0}}));
