@@ -229,6 +229,7 @@ Status run(const Options& options) {
   }
   if (options.evidence.align() && (options.vote || options.one_nn))
     return Status::badUse("classify: --vote and --1nn are ways of counting codes; --evidence align has its own");
+  if (const Status fits = options.evidence.check(); !fits.ok()) return fits;
   SegmentParams params;
   const Status set = applySettings(options.settings, params);
   if (!set.ok()) return set;

@@ -193,6 +193,7 @@ Status checkRetrieval(const Options& options) {
 
 Status checkEvidence(const Options& options) {
   const EvidenceChoice& evidence = options.scenes.evidence;
+  if (const Status fits = evidence.check(); !fits.ok()) return fits;
   if (evidence.names.empty()) return {};
   if (options.queries.empty() && options.scenes.folder.empty())
     return Status::badUse("--evidence is for --queries and --scenes");

@@ -281,7 +281,7 @@ Result<Json> evaluateScenes(const std::shared_ptr<const Index>& index, const Sce
   json["every"] = options.comparing ? options.compare.every : 1;
   json["evidence"] = options.evidence.names;
   json["rows"] = Json::array();
-  const SizeTable table(*index);
+  const SizeTable table(*index, options.evidence.confirmed);
   const SizeTable* const sizes = options.evidence.size() ? &table : nullptr;
   std::optional<AlignedNaming> naming;
   if (options.evidence.align()) naming.emplace(index, options.models);

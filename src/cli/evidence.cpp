@@ -18,10 +18,25 @@ void EvidenceChoice::addTo(CLI::App& app) {
       ->type_name("LIST")
       ->delimiter(',')
       ->check(CLI::IsMember({"size", "align"}));
+  const auto read = [this](const std::string& path) {
+    auto sizes = ConfirmedSizes::read(path);
+    if (!sizes.ok()) throw CLI::ValidationError("--confirmed-sizes", sizes.status.sentence);
+    confirmed = std::move(sizes.value);
+  };
+  confirmed_sizes_ =
+      app.add_option_function<std::string>("--confirmed-sizes", read,
+                                           "With --evidence size: the file of the live chain's ~confirmed_sizes")
+          ->type_name("FILE")
+          ->check(CLI::ExistingFile);
 }
 
 bool EvidenceChoice::size() const { return contains(names, "size"); }
 bool EvidenceChoice::align() const { return contains(names, "align"); }
+
+Status EvidenceChoice::check() const {
+  if (confirmed_sizes_ == nullptr || confirmed_sizes_->count() == 0 || size()) return {};
+  return Status::badUse("--confirmed-sizes is for --evidence size");
+}
 
 Status checkSurfaces(const std::string& option, const Index& index, const std::string& models) {
   if (index.hasSurfaces() || !models.empty()) return {};
@@ -33,7 +48,7 @@ Status checkSurfaces(const std::string& option, const Index& index, const std::s
 EvidenceRecogniser::EvidenceRecogniser(std::shared_ptr<const Index> index, const SearchChoice& search,
                                        const EvidenceChoice& evidence, const std::string& models)
     : evidence_(evidence), recogniser_(index, search) {
-  if (evidence.size()) sizes_.emplace(*index);
+  if (evidence.size()) sizes_.emplace(*index, evidence.confirmed);
   if (!models.empty() || index->hasSurfaces()) naming_.emplace(index, models);
 }
 

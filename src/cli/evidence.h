@@ -16,13 +16,18 @@
 
 namespace voxid::cli {
 
-/// A comma list of evidence, as an option.
+/// A comma list of evidence, as an option, and what refines it.
 struct EvidenceChoice {
   std::vector<std::string> names;
+  ConfirmedSizes confirmed;  ///< of things whose category somebody confirmed
 
-  void addTo(CLI::App& app);  ///< --evidence
+  void addTo(CLI::App& app);  ///< --evidence, --confirmed-sizes
   bool size() const;          ///< metric extents
   bool align() const;         ///< models, aligned
+  Status check() const;       ///< BadUse for what does not go together
+
+ private:
+  const CLI::Option* confirmed_sizes_ = nullptr;
 };
 
 /// BadUse if the models of an index cannot be aligned, as `option` asks: it keeps no surfaces, and `models`, the folder

@@ -160,6 +160,21 @@ def test_what_is_too_large_is_not_called_so(voxid, models, scenes, tmp_path):
     assert without["evidence"] == [] and sized["evidence"] == ["size"]
     voxid(*ask, "--evidence", "size,colour").refuses(2, "colour")
 
+    confirmed = tmp_path / "confirmed.yaml"
+    confirmed.write_text("die: [180]\n")  # from corner to corner
+    sized = [*ask, "--evidence", "size", "--confirmed-sizes"]
+    rows = voxid(*sized, confirmed).json["rows"]
+    assert {c["class"]: c["top5"] for c in rows[0]["classes"]} == {"die": 100, "can": 100}
+    look = ["classify", scenes / "a_depth.png", "--scene", "--index", index, "--evidence", "size", "--json"]
+    labels = [{a["label"] for thing in voxid(*look, *more).json["objects"] for a in thing["alternatives"]}
+              for more in ([], ["--confirmed-sizes", confirmed])]
+    assert labels == [{"box", "can"}, {"box", "can", "die"}]
+    confirmed.write_text("damaged")
+    voxid(*sized, confirmed).refuses(2, "confirmed.yaml: no file of confirmed sizes")
+    voxid(*sized, tmp_path / "nowhere.yaml").refuses(2, "nowhere.yaml")
+    confirmed.write_text("")
+    voxid(*ask, "--confirmed-sizes", confirmed).refuses(2, "--confirmed-sizes is for --evidence size")
+
 
 def test_sizes_are_of_taught_categories_once():
     table = yaml.safe_load((ROOT / "cfg/sizes.yaml").read_text())
