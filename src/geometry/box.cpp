@@ -10,7 +10,8 @@
 namespace voxid {
 namespace {
 
-constexpr int kColumns = 256;  // of the plan; in each only the points at either end can be corners
+constexpr int kFewestRows = 16;  // of an object are measured, if it has them
+constexpr int kColumns = 256;    // of the plan; in each only the points at either end can be corners
 
 /// Of an object's points in the plan.
 struct Sums {
@@ -87,14 +88,35 @@ std::size_t BoxFitter::hull() {
   return convexHull({sorted_.data(), sorted_.size()}, hull_.data());
 }
 
-void BoxFitter::fit(const Surface& surface, const Region& region, Cluster& cluster) {
+/// The rows that are measured, and behind them the ends of the others; how many points the former have.
+std::size_t BoxFitter::place(const Surface& surface, const Region& region, int row_step) {
+  const int first_row = surface.row(region.runs[0].begin);
+  const int rows = surface.row(region.runs[region.runs.size - 1].begin) - first_row + 1;
+  const int step = std::clamp(rows / kFewestRows, 1, row_step);
+  const auto isMeasured = [&](const Run& run) { return (surface.row(run.begin) - first_row) % step == 0; };
   placed_.clear(region.pixels);
-  for (const Run& run : region.runs) surface.place(run, placed_);
+  for (const Run& run : region.runs) {
+    if (isMeasured(run)) surface.place(run, placed_);
+  }
+  const std::size_t measured = placed_.count;
+  if (step == 1) return measured;
+  for (const Run& run : region.runs) {
+    if (isMeasured(run)) continue;
+    surface.place({run.begin, run.begin + 1}, placed_);
+    if (run.size() > 1) surface.place({run.end - 1, run.end}, placed_);
+  }
+  return measured;
+}
+
+void BoxFitter::fit(const Surface& surface, const Region& region, int row_step, Cluster& cluster) {
+  const std::size_t measured = place(surface, region, row_step);
   cluster.box_px = pixelBoxOf(region.runs, surface.inverse.width_px);
   std::int32_t *const x_um = placed_.x_um.data(), *const y_um = placed_.y_um.data();
-  const Sums sums = sumsOf(x_um, y_um, placed_.height_um.data(), placed_.count);
+  const std::int32_t* const height_um = placed_.height_um.data();
+  const Sums sums = sumsOf(x_um, y_um, height_um, measured);
+  const Sums ends = sumsOf(x_um + measured, y_um + measured, height_um + measured, placed_.count - measured);
   cluster.truncated |= touchesBorder(cluster.box_px, surface.inverse.width_px, surface.inverse.height_px);
-  const double per_point = 1e-6 / static_cast<double>(region.pixels);
+  const double per_point = 1e-6 / static_cast<double>(measured);
   cluster.centroid_m = surface.plan
                            .lift(static_cast<double>(sums.x) * per_point, static_cast<double>(sums.y) * per_point,
                                  static_cast<double>(sums.height) * per_point)
@@ -103,7 +125,7 @@ void BoxFitter::fit(const Surface& surface, const Region& region, Cluster& clust
   bin(outermost_.of(x_um, y_um, placed_.count));
   const std::size_t size = hull();
   const Rectangle r = smallestRectangle({hull_.data(), size});
-  const double height_m = sums.highest_um * 1e-6;
+  const double height_m = std::max(sums.highest_um, ends.highest_um) * 1e-6;
   cluster.extents_m = Eigen::Vector3d(r.length * 1e-6, r.width * 1e-6, height_m).cast<float>();
   cluster.box_centre_m = surface.plan.lift(r.centre_x * 1e-6, r.centre_y * 1e-6, height_m / 2).cast<float>();
   cluster.axes.col(0) = surface.plan.direction(r.along_x, r.along_y).cast<float>();

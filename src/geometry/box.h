@@ -21,13 +21,15 @@ class BoxFitter {
   void reserve(std::size_t pixels);
 
   /// Sets everything in `cluster` that follows from where its pixels are; `truncated` too if the image's border cuts
+  /// it. Measures every `row_step`-th row, more of a low object, and of the others the ends of the runs, which outline
   /// it.
-  void fit(const Surface& surface, const Region& region, Cluster& cluster);
+  void fit(const Surface& surface, const Region& region, int row_step, Cluster& cluster);
 
  private:
   struct Column {
     Point2 lowest, highest;
   };
+  std::size_t place(const Surface& surface, const Region& region, int row_step);
   void bin(Span<const Point2> points);
   std::size_t hull();
 

@@ -23,7 +23,8 @@ constexpr std::int64_t kMostPixels = 1 << 24;
 constexpr std::int64_t kReferencePixels = 640 * 480;  // at which pixel counts are given
 constexpr std::size_t kMostClusters = 255;            // the parameter's upper limit
 constexpr std::size_t kMostLeftOut = 64;              // that are told one by one
-constexpr std::size_t kOutlineProbes = 256;           // points of a cluster that are compared with the outline
+constexpr std::size_t kOutlineProbes = 64;            // points of a cluster that are compared with the outline
+constexpr std::size_t kMeasuredPixels = 1 << 15;      // of all clusters; where there are more, rows are left out
 
 bool usable(const DepthView& depth) {
   if (depth.empty() || !depth.camera.valid()) return false;
@@ -244,6 +245,7 @@ void Segmenter::Workspace::takeRegions(const Surface& surface, const SegmentPara
 void Segmenter::Workspace::measure(const Surface& surface) {
   const auto count = std::accumulate(regions.begin(), regions.end(), std::size_t{0},
                                      [](std::size_t sum, const Region& region) { return sum + region.pixels; });
+  const int row_step = 1 + static_cast<int>(count / kMeasuredPixels);
   pixels.resize(std::max(pixels.size(), count));
   std::uint32_t* first = pixels.data();
   for (const Region& region : regions) {
@@ -252,7 +254,7 @@ void Segmenter::Workspace::measure(const Surface& surface) {
     cluster.truncated = region.truncated;
     cluster.pixels = {first, region.pixels};
     first = listPixels(region.runs, first);
-    boxes.fit(surface, region, cluster);
+    boxes.fit(surface, region, row_step, cluster);
     clusters.push_back(cluster);
   }
 }

@@ -142,19 +142,40 @@ TEST(Segmenter, PixelsAreAscendingInsideTheirBoxAndOfOneObjectOnly) {
   }
 }
 
+/// How far a cluster's centroid is from the mean of its pixels' points.
+double metresFromMean(const Image& image, const Cluster& cluster) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const std::uint32_t pixel : cluster.pixels) {
+    const int u = static_cast<int>(pixel) % 640, v = static_cast<int>(pixel) / 640;
+    const double z = image.millimetres[pixel] * 1e-3;
+    sum += Eigen::Vector3d((u - 319.5) / 525 * z, (v - 239.5) / 525 * z, z);
+  }
+  return (cluster.centroid_m.cast<double>() - sum / static_cast<double>(cluster.pixels.size)).norm();
+}
+
 TEST(Segmenter, CentroidIsTheMeanOfTheVisiblePoints) {
   const Image image = render(View{}, {kTall});
   Segmenter segmenter;
   const Scene& scene = segmenter.segment(image.view(), SegmentParams{});
   ASSERT_EQ(scene.clusters.size, 1u);
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const std::uint32_t pixel : scene.clusters[0].pixels) {
-    const int u = static_cast<int>(pixel) % 640, v = static_cast<int>(pixel) / 640;
-    const double z = image.millimetres[pixel] * 1e-3;
-    sum += Eigen::Vector3d((u - 319.5) / 525 * z, (v - 239.5) / 525 * z, z);
+  EXPECT_LT(metresFromMean(image, scene.clusters[0]), 2e-5);
+}
+
+TEST(Segmenter, MeasuresAFullTableFromEverySecondRow) {
+  const Image image = render(
+      View{}, {{-0.26, 0.75, 0.2, 0.16, 0.2, 20}, {0, 0.75, 0.2, 0.16, 0.2, 20}, {0.26, 0.75, 0.2, 0.16, 0.2, 20}});
+  Segmenter segmenter;
+  const Scene& scene = segmenter.segment(image.view(), SegmentParams{});
+  ASSERT_EQ(scene.clusters.size, 3u);
+  std::size_t pixels = 0;
+  for (const Cluster& c : scene.clusters) {
+    pixels += c.pixels.size;
+    EXPECT_NEAR(c.extents_m.x(), 0.2, 0.006);
+    EXPECT_NEAR(c.extents_m.y(), 0.16, 0.006);
+    EXPECT_NEAR(c.extents_m.z(), 0.2, 0.002);
+    EXPECT_LT(metresFromMean(image, c), 1e-3);
   }
-  const Eigen::Vector3d mean = sum / static_cast<double>(scene.clusters[0].pixels.size);
-  EXPECT_NEAR((scene.clusters[0].centroid_m.cast<double>() - mean).norm(), 0, 2e-5);
+  EXPECT_GE(pixels, 1u << 15);  // fewer are measured row by row
 }
 
 TEST(Segmenter, SaysThatNothingStandsOnTheTable) {

@@ -41,7 +41,7 @@ struct Cluster {
   int id = 0;                        ///< 1, 2, ... in the order of the first pixel; id in labels and messages
   Span<const std::uint32_t> pixels;  ///< row * width + column, ascending
   PixelBox box_px;
-  Eigen::Vector3f centroid_m{0, 0, 0};                 ///< mean of the visible points
+  Eigen::Vector3f centroid_m{0, 0, 0};                 ///< mean of the visible points, or of a part of their rows
   Eigen::Vector3f box_centre_m{0, 0, 0};               ///< centre of the oriented box
   Eigen::Matrix3f axes = Eigen::Matrix3f::Identity();  ///< columns: box axes; the third is the table's normal, the
                                                        ///< first the longer side in the table's plane; right-handed
