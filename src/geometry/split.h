@@ -46,6 +46,7 @@ class Splitter {
   void takeCells(const InverseDepth& inverse, Span<const Run> runs);
   void addRun(const InverseDepth& inverse, Run run);
   void linkCells();
+  Run withoutEmptyEnds(std::size_t row) const;
   void orientCells(const Camera& camera);
   void markCreases(int angle_deg);
   std::uint8_t findPieces(std::size_t fewest);
