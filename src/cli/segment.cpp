@@ -3,9 +3,11 @@
 #include "voxid/geometry/segmenter.h"
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "command.h"
 #include "depth_file.h"
@@ -20,7 +22,7 @@ struct Options {
   std::vector<std::string> files;
   CameraChoice camera;
   std::vector<std::string> settings;  ///< name=value
-  std::string labels, plot, evaluate;
+  std::string up, labels, plot, evaluate;
   bool json = false, timing = false;
 };
 
@@ -62,12 +64,26 @@ Status writePictures(const Options& options, const DepthFile& file, const Scene&
   return writeImage(plotPath(options.plot, file.path, options.files.size() == 1), picture);
 }
 
+/// None if it is not given.
+Result<std::optional<Eigen::Vector3f>> upOf(const Options& options) {
+  if (options.up.empty()) return std::optional<Eigen::Vector3f>{};
+  Eigen::Vector3f up(0, 0, 0);
+  char rest = 0;
+  const int read = std::sscanf(options.up.c_str(), "%f,%f,%f%c", &up.x(), &up.y(), &up.z(), &rest);
+  const float length = up.norm();
+  if (read != 3 || !std::isfinite(length) || length == 0) {
+    return Status::badUse("--up " + options.up +
+                          ": expected X,Y,Z, a direction in the camera's frame (x right, y down, z forward)");
+  }
+  return std::optional<Eigen::Vector3f>{up / length};
+}
+
 Result<SceneStatus> segmentFile(const Options& options, const std::string& path, const SegmentParams& params,
-                                Segmenter& segmenter) {
+                                const std::optional<Eigen::Vector3f>& up, Segmenter& segmenter) {
   const Result<DepthFile> file = readDepthFile(path, options.camera);
   if (!file.ok()) return file.status;
   const auto start = std::chrono::steady_clock::now();
-  const Scene& scene = segmenter.segment(file.value.view(), params);
+  const Scene& scene = segmenter.segment(file.value.view(), params, up);
   const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
   print(options, path, scene, time.count());
   const Status written = writePictures(options, file.value, scene);
@@ -76,10 +92,12 @@ Result<SceneStatus> segmentFile(const Options& options, const std::string& path,
 }
 
 Status segmentFiles(const Options& options, const SegmentParams& params) {
+  const Result<std::optional<Eigen::Vector3f>> up = upOf(options);
+  if (!up.ok()) return up.status;
   Segmenter segmenter;
   std::vector<SceneStatus> statuses;
   for (const std::string& path : options.files) {
-    const Result<SceneStatus> status = segmentFile(options, path, params, segmenter);
+    const Result<SceneStatus> status = segmentFile(options, path, params, up.value, segmenter);
     if (!status.ok()) return status.status;
     statuses.push_back(status.value);
   }
@@ -113,6 +131,9 @@ Run addSegment(CLI::App& app) {
   app.add_option("--set", options->settings, "A parameter, name=value (doc/parameters.md); may be repeated")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
+  app.add_option("--up", options->up,
+                 "Direction away from the ground in the camera's frame: x right, y down, z forward")
+      ->type_name("X,Y,Z");
   app.add_flag("--json", options->json, "One object a frame and line");
   app.add_flag("--timing", options->timing, "Add segment_ms; with --evaluate the processor time of 20 runs a scene");
   app.add_option("--labels", options->labels,
@@ -122,7 +143,8 @@ Run addSegment(CLI::App& app) {
       ->type_name("PATH.png");
   app.add_option("--evaluate", options->evaluate,
                  "Compare with the labels of DIR (objects.json, NAME_depth.png, NAME_labels.png)")
-      ->type_name("DIR");
+      ->type_name("DIR")
+      ->excludes("--up");
   return [options] { return run(*options); };
 }
 

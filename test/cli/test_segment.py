@@ -103,6 +103,17 @@ def test_settings(voxid, block):
     voxid("segment", block, "--set", "height=8").refuses(2, "height", "min_height_mm")
 
 
+def test_up_tells_a_wall_from_a_table(voxid, depth_file):
+    flat = depth_file("flat.png", np.full((480, 640), 1000, np.uint16))
+    assert voxid("segment", flat, "--up", "0,0,-2", "--json").lines[0]["status"] == "EMPTY_TABLE"
+    voxid("segment", flat, "--up", "0,-1,0", "--json").refuses(3, "NO_TABLE")
+    voxid("segment", flat, "--up", "-0.5,0,-1", "--json").refuses(3, "EMPTY_TABLE")  # 27 degrees
+    voxid("segment", flat, "--up", "-0.7,0,-1", "--json").refuses(3, "NO_TABLE")  # 35 degrees
+    for wrong in ("0,-1", "0,-1,0,0", "up", "0,0,0", "0,nan,1"):
+        voxid("segment", flat, "--up", wrong).refuses(2, "--up", "X,Y,Z")
+    voxid("segment", "--evaluate", "test", "--up", "0,-1,0").refuses(2, "--up")
+
+
 def test_plot(voxid, block, scene, tmp_path):
     assert voxid("segment", block, "--plot", tmp_path / "one.png").code == 0
     picture = cv2.imread(str(tmp_path / "one.png"))
