@@ -26,7 +26,7 @@ using test::writeBytes;
 using Code = std::vector<std::uint8_t>;
 using Neighbours = std::vector<std::pair<std::uint32_t, std::uint32_t>>;  // distance, view
 
-constexpr std::uint32_t kBytes = 32, kLists = 24;
+constexpr std::uint32_t kBytes = 64, kLists = 24;
 
 /// Around few middles, so that lists differ in size and some stay empty.
 Code randomDefaultCode(test::Random& random) {

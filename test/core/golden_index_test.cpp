@@ -17,7 +17,7 @@ namespace {
 
 using test::readBytes;
 
-constexpr std::uint32_t kBytes = 32, kLists = 5;
+constexpr std::uint32_t kBytes = 64, kLists = 5;
 
 ViewRecord viewOf(int direction, int turn) {
   ViewRecord view{static_cast<std::uint8_t>(direction), 0, {0x0100, 0x8012, 65535}, {}};

@@ -15,7 +15,7 @@
 namespace voxid {
 namespace {
 
-constexpr std::uint32_t kBytes = 32;
+constexpr std::uint32_t kBytes = 64;
 constexpr int kCategories = 1000, kViews = 255;
 
 ModelRecord modelOf(int category, const std::string& name, test::Random& random) {
