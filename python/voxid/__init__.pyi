@@ -56,10 +56,10 @@ class BuildReport:
 
 def build(models: Path, out: Path, *, part: Optional[Tuple[int, int]] = None, resume: bool = False,
           jobs: Optional[int] = None, views_every: int = 1, keep_points: bool = False, descriptor: str = "default",
-          projection: Optional[Path] = None, pairs: Optional[int] = None,
+          projection: Optional[Path] = None, pairs: Optional[int] = None, code_bytes: Optional[int] = None,
           on_progress: Optional[Callable[[int, int, int], None]] = None) -> BuildReport:
-    """What `voxid build` does, with its options; the index has the same bytes. `part=(k, n)`: every n-th model from
-    number k on, which is left in OUT.parts; `resume=True` takes what is there and writes the index. `jobs`: processes,
+    """What `voxid build` does, with its options (`code_bytes`: --bytes); the index has the same bytes. `part=(k, n)`: every
+    n-th model from number k on, which is left in OUT.parts; `resume=True` takes what is there and writes the index. `jobs`: processes,
     by default as many as processors. `on_progress(done, models, views)` is called some ten times a second; what it
     raises, and Ctrl-C while models are drawn, ends the build, which `resume` continues. The processes are forked: no
     other thread may be in a function of this module meanwhile."""
@@ -75,7 +75,8 @@ class Index:
     def describe(self, depth: Union[npt.NDArray[np.uint16], npt.NDArray[np.float32]],
                  mask: Optional[npt.NDArray[np.bool_]],
                  camera: Camera) -> npt.NDArray:
-        """The code that this index is asked with: int8 in `default`, the 416 bins as uint8 in `paper`."""
+        """The code that this index is asked with: in `default` 64 numbers as int8, or 32 packed bytes as uint8; the 416
+        bins as uint8 in `paper`."""
     def nearest(self, code: npt.NDArray, count: int = 20, *, exact: bool = True,
                 lists: int = 32) -> Tuple[npt.NDArray[np.uint32], npt.NDArray[np.uint32]]:
         """Numbers of the nearest views, nearest first, and their distances. `count`: 1 to 64. `exact=False`: only the

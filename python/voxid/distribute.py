@@ -50,6 +50,7 @@ def settings_of(words):
     parser.add_argument("--descriptor")
     parser.add_argument("--views-every", type=int)
     parser.add_argument("--pairs", type=int)
+    parser.add_argument("--bytes", type=int, dest="code_bytes")
     parser.add_argument("--keep-points", action="store_true")
     return vars(parser.parse_args(words))
 

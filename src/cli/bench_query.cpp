@@ -135,9 +135,9 @@ void findExact(const std::shared_ptr<const Index>& index, std::vector<BenchQuery
 
 CodeDistance distanceOf(const Index& index) {
   if (!index.projection()) return l1;
-  if (index.parameters().code_bytes == 32)
-    return [](const std::uint8_t* a, const std::uint8_t* b) { return squaredDistance(a, b, 32); };
-  return [](const std::uint8_t* a, const std::uint8_t* b) { return squaredDistance(a, b, 64); };
+  if (index.parameters().code_bytes == kPackedCodeBytes)
+    return [](const std::uint8_t* a, const std::uint8_t* b) { return squaredDistance(a, b, kPackedCodeBytes); };
+  return [](const std::uint8_t* a, const std::uint8_t* b) { return squaredDistance(a, b, kCodeNumbers); };
 }
 
 struct Measured {

@@ -66,10 +66,11 @@ std::vector<Copy> copiesOf(const Index& index, std::uint32_t views) {
 /// Noise of up to 16 a number, a twentieth of the code's length in all.
 void jitter(std::vector<std::uint8_t>& code, std::mt19937_64& random) {
   constexpr std::int64_t kMost = 16;
-  std::array<std::int64_t, Projection::kMostCodeBytes> numbers{};
-  for (std::size_t i = 0; i < code.size(); ++i) {
+  const CodeNumbers own = numbersOf(code.data(), code.size());
+  std::array<std::int64_t, kCodeNumbers> numbers;
+  for (std::size_t i = 0; i < kCodeNumbers; ++i) {
     const auto noise = static_cast<std::int64_t>(random() % (2 * kMost + 1)) - kMost;
-    numbers[i] = static_cast<std::int8_t>(code[i]) + noise;
+    numbers[i] = own[i] + noise;
   }
   bringToLength(numbers.data(), code.size(), code.data());
 }

@@ -64,8 +64,8 @@ void printDoneEvent(const BuildReport& report) {
 /// Which descriptor, as options.
 struct DescriptorChoice {
   std::string descriptor = "default", projection;
-  std::uint32_t pairs = DescriptorParams{}.pairs;
-  const CLI::Option* pairs_given = nullptr;
+  std::uint32_t pairs = DescriptorParams{}.pairs, code_bytes = kCodeNumbers;
+  const CLI::Option *pairs_given = nullptr, *bytes_given = nullptr;
 
   void addTo(CLI::App& app) {
     app.add_option("--descriptor", descriptor, "What views are described with; queries are described alike")
@@ -74,6 +74,9 @@ struct DescriptorChoice {
     app.add_option("--projection", projection,
                    "Of descriptor default: made by `voxid train`, instead of the one shipped")
         ->type_name("FILE");
+    bytes_given = app.add_option("--bytes", code_bytes, "Of descriptor default: of a view's code")
+                      ->capture_default_str()
+                      ->check(CLI::IsMember({kPackedCodeBytes, kCodeNumbers}));
     pairs_given = app.add_option("--pairs", pairs, "Of descriptor paper: lines drawn")
                       ->capture_default_str()
                       ->check(CLI::Range(1u, kMaxPairs));
@@ -83,10 +86,14 @@ struct DescriptorChoice {
   void addTo(std::vector<std::string>& arguments) const {
     arguments.insert(arguments.end(), {"--descriptor", descriptor});
     if (!projection.empty()) arguments.insert(arguments.end(), {"--projection", projection});
+    if (bytes_given->count() > 0) arguments.insert(arguments.end(), {"--bytes", std::to_string(code_bytes)});
     if (pairs_given->count() > 0) arguments.insert(arguments.end(), {"--pairs", std::to_string(pairs)});
   }
 
-  Result<Profile> profile() const { return profileOf(descriptor, projection, pairs_given->count() > 0 ? pairs : 0); }
+  Result<Profile> profile() const {
+    return profileOf(descriptor, projection, pairs_given->count() > 0 ? pairs : 0,
+                     bytes_given->count() > 0 ? code_bytes : 0);
+  }
 };
 
 /// Where the work is done, besides this process.

@@ -22,7 +22,7 @@ void CodeSearch::learnMeans() {
   means_.resize(means.size());
   for (std::size_t i = 0; i < means.size(); ++i) {
     if (means[i].empty()) continue;
-    means_[i].resize(code_.bytes);
+    means_[i].resize(kCodeNumbers);
     means[i].write(means_[i].data());
   }
 }

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "esf.h"
-#include "voxid/core/projection.h"
+#include "voxid/core/code.h"
 #include "voxid/library/discriminants.h"
 #include "voxid/library/shrink_codes.h"
 #include "voxid/library/trainer.h"
@@ -27,19 +27,18 @@ Roots rootsOf(const float* bins) {
 
 /// As Projection::project.
 void project(const IntegerMap& map, const Roots& bins, std::uint8_t* code) {
-  const std::size_t numbers = map.bias.size();
-  std::array<std::int64_t, Projection::kMostCodeBytes> projected{};
-  for (std::size_t k = 0; k < numbers; ++k) {
+  std::array<std::int64_t, kCodeNumbers> projected;
+  for (std::size_t k = 0; k < kCodeNumbers; ++k) {
     std::int64_t sum = map.bias[k];
     for (std::size_t i = 0; i < bins.size(); ++i) sum += map.matrix[k * bins.size() + i] * bins[i];
     projected[k] = sum * map.factor_q24[k] >> 24;
   }
-  bringToLength(projected.data(), numbers, code);
+  bringToLength(projected.data(), kCodeNumbers, code);
 }
 
 class ProjectedEsfCode : public ViewCode {
  public:
-  explicit ProjectedEsfCode(IntegerMap map) : ViewCode("esf_projected", map.bias.size(), true), map_(std::move(map)) {}
+  explicit ProjectedEsfCode(IntegerMap map) : ViewCode("esf_projected", kCodeNumbers, true), map_(std::move(map)) {}
 
   bool describe(const DepthView& depth, Span<const std::uint32_t> pixels, std::uint8_t* out) override {
     const std::vector<PointUm> points = pointsOf(depth, pixels);
@@ -58,7 +57,7 @@ class ProjectedEsfCode : public ViewCode {
 
 const float* binsOf(const CodeTable& esf, std::size_t row) { return reinterpret_cast<const float*>(esf.code(row)); }
 
-IntegerMap learn(const Index& index, const std::vector<std::uint32_t>& views, const CodeTable& esf, int numbers) {
+IntegerMap learn(const Index& index, const std::vector<std::uint32_t>& views, const CodeTable& esf) {
   const auto for_each_view = [&](const TakeView& take) {
     for (std::size_t row = 0; row < views.size(); ++row) {
       if (!esf.hasAnswer(row)) continue;
@@ -66,15 +65,14 @@ IntegerMap learn(const Index& index, const std::vector<std::uint32_t>& views, co
       take(std::string(index.categoryName(category)), rootsOf(binsOf(esf, row)).data());
     }
   };
-  return learnDiscriminants(for_each_view, kEsfBins, numbers, TrainOptions().shrinkage);
+  return learnDiscriminants(for_each_view, kEsfBins, static_cast<int>(kCodeNumbers), TrainOptions().shrinkage);
 }
 
 }  // namespace
 
 ProjectedEsf projectEsf(const Index& index, const std::vector<std::uint32_t>& views, const CodeTable& esf) {
-  const IntegerMap map = learn(index, views, esf, static_cast<int>(index.parameters().code_bytes));
-  ProjectedEsf made{std::make_unique<ProjectedEsfCode>(map),
-                    std::make_unique<CodeTable>(views.size(), index.parameters().code_bytes)};
+  const IntegerMap map = learn(index, views, esf);
+  ProjectedEsf made{std::make_unique<ProjectedEsfCode>(map), std::make_unique<CodeTable>(views.size(), kCodeNumbers)};
   std::map<std::uint32_t, std::vector<std::uint8_t*>> by_model;
   for (std::size_t row = 0; row < views.size(); ++row) {
     if (!esf.hasAnswer(row)) continue;

@@ -58,7 +58,6 @@ Run addTrain(CLI::App& app) {
   app.add_option("--views-every", train.views_every, "Learn from every n-th of the 80 directions")
       ->capture_default_str()
       ->check(CLI::Range(1, 80));
-  app.add_option("--bytes", train.code_bytes, "Of a code")->capture_default_str()->check(CLI::IsMember({32, 64}));
   app.add_option("--lists", train.lists, "Of the quick search")->capture_default_str()->check(CLI::Range(1, 65536));
   app.add_option("--pairs", train.params.pairs, "Pairs of points a view")
       ->capture_default_str()

@@ -2,6 +2,7 @@
 #include "voxid/core/encoder.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace voxid {
@@ -23,25 +24,28 @@ class PaperEncoder : public Encoder {
 
 class ProjectedEncoder : public Encoder {
  public:
-  explicit ProjectedEncoder(std::shared_ptr<const Projection> projection)
-      : projection_(std::move(projection)), describer_(projection_->descriptorParams()) {}
+  ProjectedEncoder(std::shared_ptr<const Projection> projection, bool packed)
+      : projection_(std::move(projection)), packed_(packed), describer_(projection_->descriptorParams()) {}
 
   DescribeStatus encode(const DepthView& depth, Span<const std::uint32_t> pixels, std::uint8_t* code) override {
     const DescribeStatus status = describer_.describe(depth, pixels, bins_);
-    projection_->project(bins_, code);
+    projection_->project(bins_, packed_ ? unpacked_.data() : code);
+    if (packed_) packCode(unpacked_.data(), code);
     return status;
   }
 
  private:
   std::shared_ptr<const Projection> projection_;
+  bool packed_;
   DepthDescriber describer_;
   DepthBins bins_;
+  std::array<std::uint8_t, kCodeNumbers> unpacked_;
 };
 
 }  // namespace
 
 std::unique_ptr<Encoder> makeEncoder(const Profile& profile) {
-  if (profile.projection) return std::make_unique<ProjectedEncoder>(profile.projection);
+  if (profile.projection) return std::make_unique<ProjectedEncoder>(profile.projection, profile.packed);
   return std::make_unique<PaperEncoder>(profile.params);
 }
 

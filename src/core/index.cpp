@@ -216,7 +216,7 @@ Status Index::locateTables() {
     views_ = find.exactly<format::View>("VIEW", h.views);
   directions_ = find.any<format::Direction>("DIRS");
   codes_ = find.exactly<std::uint8_t>("CODE", std::uint64_t{h.views} * parameters_->code_bytes).data;
-  if (projection_) means_ = find.exactly<std::int8_t>("MEAN", std::uint64_t{h.categories} * parameters_->code_bytes);
+  if (projection_) means_ = find.exactly<std::int8_t>("MEAN", std::uint64_t{h.categories} * kCodeNumbers);
   keys_ = find.exactly<Key>("KEYS", h.buckets);
   bucket_offsets_ = find.exactly<std::uint32_t>("BKTO", std::uint64_t{h.buckets} + 1);
   bucket_views_ = find.exactly<std::uint32_t>("BKTV", h.views);
@@ -318,7 +318,11 @@ std::uint32_t codeDistance(const Profile& profile, const std::uint8_t* a, const 
 }
 
 Key bucketKeyOf(const Profile& profile, const std::uint8_t* code) {
-  return profile.projection ? Key{profile.projection->listOf(code)} : keyOf(code);
+  if (!profile.projection) return keyOf(code);
+  if (!profile.packed) return Key{profile.projection->listOf(code)};
+  std::array<std::uint8_t, kCodeNumbers> unpacked;
+  unpackCode(code, unpacked.data());
+  return Key{profile.projection->listOf(unpacked.data())};
 }
 
 }  // namespace voxid

@@ -155,12 +155,11 @@ Fault checkBuckets(const Index& index) {
 
 Fault checkMeans(const Index& index) {
   if (!index.projection()) return {};
-  const std::size_t bytes = index.parameters().code_bytes;
-  std::vector<std::int8_t> expected(bytes);
+  CodeNumbers expected;
   for (std::uint32_t i = 0; i < index.categories().size; ++i) {
     const format::Category& category = index.categories()[i];
     const format::Model& last = index.models()[category.first_model + category.models - 1];
-    CodeMean mean(bytes);
+    CodeMean mean(index.parameters().code_bytes);
     for (std::uint32_t view = index.models()[category.first_model].first_view; view < last.first_view + last.views;
          ++view)
       mean.add(index.code(view));

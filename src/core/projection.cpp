@@ -9,7 +9,6 @@
 #include <cstring>
 
 #include "code_distance.h"
-#include "normaliser.h"
 #include "vectorised.h"
 #include "voxid/core/crc32c.h"
 
@@ -20,7 +19,7 @@ constexpr std::uint32_t kMaxLists = 65536;
 constexpr std::int32_t kMaxBias = 1 << 30;
 
 std::size_t bytesOf(const format::Projection& header) {
-  return sizeof header + std::size_t{header.code_bytes} * (header.bins + 2 * sizeof(std::int32_t) + header.lists) +
+  return sizeof header + kCodeNumbers * (header.bins + 2 * sizeof(std::int32_t) + header.lists) +
          sizeof(format::Calibration);
 }
 
@@ -77,13 +76,13 @@ Result<std::shared_ptr<const Projection>> Projection::fromBytes(Span<const std::
   const format::Projection& h = *projection->header_;
   const std::uint8_t* at = projection->bytes_.data() + sizeof h;
   projection->matrix_ = reinterpret_cast<const std::int8_t*>(at);
-  at += std::size_t{h.code_bytes} * h.bins;
+  at += kCodeNumbers * h.bins;
   projection->bias_ = reinterpret_cast<const std::int32_t*>(at);
-  projection->factor_q24_ = projection->bias_ + h.code_bytes;
-  at += 2 * sizeof(std::int32_t) * h.code_bytes;
+  projection->factor_q24_ = projection->bias_ + kCodeNumbers;
+  at += 2 * sizeof(std::int32_t) * kCodeNumbers;
   projection->centroids_ = at;
-  projection->calibration_ = reinterpret_cast<const format::Calibration*>(at + std::size_t{h.lists} * h.code_bytes);
-  for (std::uint32_t i = 0; i < h.code_bytes; ++i) {
+  projection->calibration_ = reinterpret_cast<const format::Calibration*>(at + std::size_t{h.lists} * kCodeNumbers);
+  for (std::size_t i = 0; i < kCodeNumbers; ++i) {
     const bool bounded =
         projection->bias_[i] > -kMaxBias && projection->bias_[i] < kMaxBias && projection->factor_q24_[i] >= 0;
     if (!bounded) return Status::damaged("the projection " + name + " is damaged: a number is out of range");
@@ -99,38 +98,28 @@ Status Projection::check(const std::string& name) {
   header_ = reinterpret_cast<const format::Projection*>(bytes_.data());
   const format::Projection& h = *header_;
   if (std::memcmp(h.magic, format::kProjectionMagic, sizeof h.magic) != 0) return damaged("it does not begin like one");
-  if (h.version != format::kProjectionVersion || h.revision != kDepthDescriptorRevision || h.bins != kDepthBins) {
+  if (h.version != format::kProjectionVersion || h.revision != kDepthDescriptorRevision || h.bins != kDepthBins ||
+      h.numbers != kCodeNumbers) {
     return Status::cannotDo("the projection " + name + " is of version " + std::to_string(h.version) +
-                            ", descriptor revision " + std::to_string(h.revision) + "; this voxid uses " +
-                            std::to_string(format::kProjectionVersion) + " and " +
-                            std::to_string(kDepthDescriptorRevision) +
+                            ", descriptor revision " + std::to_string(h.revision) + ", " + std::to_string(h.numbers) +
+                            " numbers; this voxid uses " + std::to_string(format::kProjectionVersion) + ", " +
+                            std::to_string(kDepthDescriptorRevision) + " and " + std::to_string(kCodeNumbers) +
                             "; make it anew: a projection with `voxid train`, an index with `voxid build`");
   }
-  const bool sized = (h.code_bytes == 32 || h.code_bytes == 64) && h.lists >= 1 && h.lists <= kMaxLists &&
-                     h.pairs >= 1 && h.pairs <= kMaxPairs;
+  const bool sized = h.lists >= 1 && h.lists <= kMaxLists && h.pairs >= 1 && h.pairs <= kMaxPairs;
   if (!sized) return damaged("a size is out of range");
   if (bytesOf(h) != bytes_.size()) return damaged("its length is wrong");
   return sumOf(bytes(), h) == h.crc32c ? Status() : damaged("its checksum is wrong");
 }
 
 void Projection::project(const DepthBins& bins, std::uint8_t* code) const {
-  std::array<std::int32_t, kMostCodeBytes> product;
-  multiply(matrix_, codeBytes(), bins.data(), product.data());
-  std::array<std::int64_t, kMostCodeBytes> scaled;
-  for (std::uint32_t i = 0; i < codeBytes(); ++i) {
+  std::array<std::int32_t, kCodeNumbers> product;
+  multiply(matrix_, kCodeNumbers, bins.data(), product.data());
+  std::array<std::int64_t, kCodeNumbers> scaled;
+  for (std::size_t i = 0; i < kCodeNumbers; ++i) {
     scaled[i] = clamped(((std::int64_t{product[i]} + bias_[i]) * factor_q24_[i]) >> 24, (1 << 24) - 1);
   }
-  bringToLength(scaled.data(), codeBytes(), code);
-}
-
-// 64 squares below 2^48 sum to less than 2^54.
-void bringToLength(const std::int64_t* numbers, std::size_t count, std::uint8_t* code) {
-  std::uint64_t squares = 0;
-  for (std::size_t i = 0; i < count; ++i) squares += static_cast<std::uint64_t>(numbers[i] * numbers[i]);
-  const auto length = static_cast<std::int64_t>(std::max<std::uint64_t>(squareRoot(squares), 1));
-  for (std::size_t i = 0; i < count; ++i) {
-    code[i] = static_cast<std::uint8_t>(clamped(numbers[i] * Projection::kCodeLength / length, 127));
-  }
+  bringToLength(scaled.data(), kCodeNumbers, code);
 }
 
 std::uint32_t Projection::listOf(const std::uint8_t* code) const {
@@ -139,7 +128,7 @@ std::uint32_t Projection::listOf(const std::uint8_t* code) const {
   std::uint32_t nearest = 0, least = 0xffffffff;
   for (std::uint32_t first = 0; first < lists(); first += kBlock) {
     const std::uint32_t count = std::min(kBlock, lists() - first);
-    squaredDistances(code, centroids_ + std::size_t{first} * codeBytes(), count, codeBytes(), distances.data());
+    squaredDistances(code, centroids_ + std::size_t{first} * kCodeNumbers, count, kCodeNumbers, distances.data());
     const auto best = std::min_element(distances.begin(), distances.begin() + count);
     if (*best >= least) continue;
     least = *best;
@@ -156,7 +145,7 @@ std::vector<std::uint8_t> serialised(const ProjectionContent& content) {
   header.pairs = content.params.pairs;
   header.seed = content.params.seed;
   header.bins = kDepthBins;
-  header.code_bytes = content.code_bytes;
+  header.numbers = kCodeNumbers;
   header.lists = content.lists;
   header.views = content.views;
   header.models = content.models;

@@ -6,7 +6,6 @@
 
 #include "normaliser.h"
 #include "vectorised.h"
-#include "voxid/core/projection.h"
 
 namespace voxid {
 namespace {
@@ -18,10 +17,9 @@ struct Products {
 };
 
 // 2 code + mean lies where the code moved a third of the way does; at most 381, so that 64 squares stay below 2^24.
-VOXID_VECTORISED Products productsOf(const std::int8_t* query, const std::int8_t* code, const std::int8_t* mean,
-                                     std::size_t code_bytes) {
+VOXID_VECTORISED Products productsOf(const std::int8_t* query, const std::int8_t* code, const std::int8_t* mean) {
   Products sums{};
-  for (std::size_t i = 0; i < code_bytes; ++i) {
+  for (std::size_t i = 0; i < kCodeNumbers; ++i) {
     const auto q = static_cast<std::int16_t>(query[i]), moved = static_cast<std::int16_t>(2 * code[i] + mean[i]);
     sums.query_moved += q * moved;
     sums.moved_moved += moved * moved;
@@ -30,23 +28,22 @@ VOXID_VECTORISED Products productsOf(const std::int8_t* query, const std::int8_t
   return sums;
 }
 
-const std::int8_t* signedBytes(const std::uint8_t* code) { return reinterpret_cast<const std::int8_t*>(code); }
-
 }  // namespace
 
 // |q - L m / |m||^2 = |q|^2 + L^2 - 2 L q m / |m|, the root in 1/256.
 std::uint32_t movedDistance(const std::uint8_t* query, const std::uint8_t* code, const std::int8_t* mean,
                             std::size_t code_bytes) {
-  constexpr std::int64_t kLength = Projection::kCodeLength;
-  const Products sums =
-      productsOf(signedBytes(query), signedBytes(code), mean == nullptr ? signedBytes(code) : mean, code_bytes);
+  constexpr std::int64_t kLength = kCodeLength;
+  const CodeNumbers q = numbersOf(query, code_bytes), c = numbersOf(code, code_bytes);
+  const Products sums = productsOf(q.data(), c.data(), mean == nullptr ? c.data() : mean);
   const auto root_q8 = static_cast<std::int64_t>(squareRoot(static_cast<std::uint64_t>(sums.moved_moved) << 16));
   const std::int64_t along = root_q8 == 0 ? 0 : 2 * kLength * 256 * sums.query_moved / root_q8;
   return static_cast<std::uint32_t>(std::max<std::int64_t>(sums.query_query + kLength * kLength - along, 0));
 }
 
 void CodeMean::add(const std::uint8_t* code) {
-  for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] += signedBytes(code)[i];
+  const CodeNumbers numbers = numbersOf(code, code_bytes_);
+  for (std::size_t i = 0; i < kCodeNumbers; ++i) sums_[i] += numbers[i];
   ++codes_;
 }
 
@@ -57,7 +54,7 @@ void CodeMean::write(std::int8_t* mean) const {
 }
 
 void CodeMean::clear() {
-  std::fill(sums_.begin(), sums_.end(), 0);
+  sums_.fill(0);
   codes_ = 0;
 }
 

@@ -179,8 +179,7 @@ class RefinedSearch : public Search {
       : index_(std::move(index)),
         search_(std::move(search)),
         refiner_(index_->categories().size, index_->parameters().code_bytes),
-        others_(index_->parameters().code_bytes),
-        mean_of_others_(index_->parameters().code_bytes) {}
+        others_(index_->parameters().code_bytes) {}
 
   const Nearest& find(const std::uint8_t* code, const SearchScope& scope) override {
     const Nearest& found = search_->find(code, scope);
@@ -224,7 +223,7 @@ class RefinedSearch : public Search {
   Refiner refiner_;
   std::uint32_t changed_category_ = kNone;  // whose mean lacks the model that is left out
   CodeMean others_;
-  std::vector<std::int8_t> mean_of_others_;
+  CodeNumbers mean_of_others_;
 };
 
 }  // namespace

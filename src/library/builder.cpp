@@ -192,13 +192,17 @@ class Builder {
 
 }  // namespace
 
-Result<Profile> profileOf(const std::string& descriptor, const std::string& projection, std::uint32_t pairs) {
+Result<Profile> profileOf(const std::string& descriptor, const std::string& projection, std::uint32_t pairs,
+                          std::uint32_t code_bytes) {
   if (descriptor != "default" && descriptor != "paper")
     return Status::badUse("descriptor '" + descriptor + "': expected default or paper");
   if (pairs > kMaxPairs)
     return Status::badUse("--pairs is " + std::to_string(pairs) + ", expected 1 to " + std::to_string(kMaxPairs));
+  if (code_bytes != 0 && code_bytes != kPackedCodeBytes && code_bytes != kCodeNumbers)
+    return Status::badUse("--bytes is " + std::to_string(code_bytes) + ", expected 32 or 64");
   if (descriptor == "paper") {
     if (!projection.empty()) return Status::badUse("--projection is for descriptor default");
+    if (code_bytes != 0) return Status::badUse("--bytes is for descriptor default");
     Profile paper;
     if (pairs > 0) paper.params.pairs = pairs;
     return paper;
@@ -206,7 +210,7 @@ Result<Profile> profileOf(const std::string& descriptor, const std::string& proj
   if (pairs > 0) return Status::badUse("--pairs is for descriptor paper; a projection says how many it needs");
   const auto read = projection.empty() ? shippedProjection() : Projection::read(projection);
   if (!read.ok()) return read.status;
-  return Profile{{}, read.value};
+  return Profile{{}, read.value, code_bytes == kPackedCodeBytes};
 }
 
 Result<BuildReport> buildIndex(const BuildOptions& options, BuildListener& listener) {

@@ -159,9 +159,9 @@ void IndexAssembler::Parts::beginCategory(const ModelRecord& model) {
 
 void IndexAssembler::Parts::endCategory() {
   if (!profile.projection || mean.empty()) return;
-  std::vector<std::int8_t> bytes(profile.codeBytes());
-  mean.write(bytes.data());
-  means.append(bytes.data(), bytes.size());
+  CodeNumbers numbers;
+  mean.write(numbers.data());
+  means.append(numbers.data(), numbers.size());
   mean.clear();
 }
 

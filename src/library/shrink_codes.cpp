@@ -3,37 +3,39 @@
 
 #include <array>
 
-#include "voxid/core/projection.h"
+#include "voxid/core/code.h"
 
 namespace voxid {
 namespace {
 
 constexpr std::int64_t kOwn = 3, kMean = 1;  // parts of a code that stay, and that come from the mean
 
-std::int8_t number(const std::uint8_t* code, std::size_t i) { return static_cast<std::int8_t>(code[i]); }
+using Numbers = std::array<std::int64_t, kCodeNumbers>;
+
+void add(const CodeNumbers& numbers, Numbers& sum) {
+  for (std::size_t i = 0; i < kCodeNumbers; ++i) sum[i] += numbers[i];
+}
 
 }  // namespace
 
 void shrinkToMean(const std::vector<std::uint8_t*>& codes, std::size_t code_bytes) {
   const auto views = static_cast<std::int64_t>(codes.size());
-  std::array<std::int64_t, Projection::kMostCodeBytes> sum{}, moved{};
-  for (const std::uint8_t* const code : codes) {
-    for (std::size_t i = 0; i < code_bytes; ++i) sum[i] += number(code, i);
-  }
+  Numbers sum{}, moved;
+  for (const std::uint8_t* const code : codes) add(numbersOf(code, code_bytes), sum);
   for (std::uint8_t* const code : codes) {
-    for (std::size_t i = 0; i < code_bytes; ++i) moved[i] = kOwn * views * number(code, i) + kMean * sum[i];
+    const CodeNumbers own = numbersOf(code, code_bytes);
+    for (std::size_t i = 0; i < kCodeNumbers; ++i) moved[i] = kOwn * views * own[i] + kMean * sum[i];
     bringToLength(moved.data(), code_bytes, code);
   }
 }
 
 // Moved codes sum to kOwn + kMean times what the own ones do.
 void takeBackFromMean(const std::uint8_t* codes, std::size_t views, std::size_t code_bytes, std::uint8_t* code) {
-  std::array<std::int64_t, Projection::kMostCodeBytes> back{};
-  for (std::size_t i = 0; i < code_bytes; ++i) {
-    std::int64_t sum = 0;
-    for (std::size_t view = 0; view < views; ++view) sum += number(codes + view * code_bytes, i);
-    back[i] = (kOwn + kMean) * static_cast<std::int64_t>(views) * number(code, i) - kMean * sum;
-  }
+  Numbers sum{}, back;
+  for (std::size_t view = 0; view < views; ++view) add(numbersOf(codes + view * code_bytes, code_bytes), sum);
+  const CodeNumbers own = numbersOf(code, code_bytes);
+  for (std::size_t i = 0; i < kCodeNumbers; ++i)
+    back[i] = (kOwn + kMean) * static_cast<std::int64_t>(views) * own[i] - kMean * sum[i];
   bringToLength(back.data(), code_bytes, code);
 }
 

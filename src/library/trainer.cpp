@@ -55,7 +55,7 @@ std::shared_ptr<const Projection> projectionOf(const ProjectionContent& content)
 
 /// As an index of the views would hold them.
 std::vector<std::uint8_t> codesOf(const Lessons& lessons, const Projection& projection) {
-  std::vector<std::uint8_t> codes(lessons.views * projection.codeBytes());
+  std::vector<std::uint8_t> codes(lessons.views * kCodeNumbers);
   std::uint8_t* at = codes.data();
   DepthBins bins;
   for (const ModelRecord& model : lessons.models) {
@@ -64,9 +64,9 @@ std::vector<std::uint8_t> codesOf(const Lessons& lessons, const Projection& proj
       std::copy(view.code.begin(), view.code.end(), bins.begin());
       projection.project(bins, at);
       of_model.push_back(at);
-      at += projection.codeBytes();
+      at += kCodeNumbers;
     }
-    shrinkToMean(of_model, projection.codeBytes());
+    shrinkToMean(of_model, kCodeNumbers);
   }
   return codes;
 }
@@ -74,16 +74,16 @@ std::vector<std::uint8_t> codesOf(const Lessons& lessons, const Projection& proj
 /// Moves every centroid to the mean of its codes; one without codes stays.
 void moveCentroids(ProjectionContent& content, const std::vector<std::uint8_t>& codes) {
   const auto projection = projectionOf(content);
-  const std::size_t bytes = content.code_bytes;
   std::vector<double> sums(content.centroids.size());
   std::vector<double> members(content.lists);
-  for (std::size_t at = 0; at < codes.size(); at += bytes) {
+  for (std::size_t at = 0; at < codes.size(); at += kCodeNumbers) {
     const std::uint32_t list = projection->listOf(&codes[at]);
     ++members[list];
-    for (std::size_t i = 0; i < bytes; ++i) sums[list * bytes + i] += static_cast<std::int8_t>(codes[at + i]);
+    for (std::size_t i = 0; i < kCodeNumbers; ++i)
+      sums[list * kCodeNumbers + i] += static_cast<std::int8_t>(codes[at + i]);
   }
   for (std::size_t i = 0; i < sums.size(); ++i) {
-    const double count = members[i / bytes];
+    const double count = members[i / kCodeNumbers];
     if (count > 0) content.centroids[i] = static_cast<std::uint8_t>(std::lround(sums[i] / count));
   }
 }
@@ -91,14 +91,13 @@ void moveCentroids(ProjectionContent& content, const std::vector<std::uint8_t>& 
 /// Lloyd's algorithm, begun at views evenly spread over the library.
 void learnLists(ProjectionContent& content, const Lessons& lessons) {
   constexpr int kRounds = 12;
-  const std::size_t bytes = content.code_bytes;
   content.lists = static_cast<std::uint32_t>(std::min<std::size_t>(content.lists, lessons.views));
-  content.centroids.assign(content.lists * bytes, 0);
+  content.centroids.assign(content.lists * kCodeNumbers, 0);
   const std::vector<std::uint8_t> codes = codesOf(lessons, *projectionOf(content));
   for (std::size_t list = 0; list < content.lists; ++list) {
     const std::size_t view = list * lessons.views / content.lists;
-    std::copy_n(codes.begin() + static_cast<std::ptrdiff_t>(view * bytes), bytes,
-                content.centroids.begin() + static_cast<std::ptrdiff_t>(list * bytes));
+    std::copy_n(codes.begin() + static_cast<std::ptrdiff_t>(view * kCodeNumbers), kCodeNumbers,
+                content.centroids.begin() + static_cast<std::ptrdiff_t>(list * kCodeNumbers));
   }
   for (int round = 0; round < kRounds; ++round) moveCentroids(content, codes);
 }
@@ -110,7 +109,6 @@ class Trainer {
   Trainer(const TrainOptions& options, BuildListener& listener) : options_(options), listener_(listener) {}
 
   Result<TrainReport> train() {
-    if (options_.code_bytes != 32 && options_.code_bytes != 64) return Status::badUse("a code has 32 or 64 bytes");
     Result<ModelFolder> folder = listModels(options_.models);
     if (!folder.ok()) return folder.status;
     folder_ = std::move(folder.value);
@@ -169,16 +167,15 @@ class Trainer {
     report_.categories = static_cast<int>(categories.size());
     report_.models = static_cast<int>(lessons_.models.size());
     report_.views = static_cast<int>(lessons_.views);
-    if (categories.size() >= 2 && lessons_.views >= options_.code_bytes) return {};
+    if (categories.size() >= 2 && lessons_.views >= kCodeNumbers) return {};
     return Status::nothingFound(options_.models + " has views: " + std::to_string(lessons_.views) +
                                 ", categories: " + std::to_string(categories.size()) +
-                                "; a projection is learnt from two categories and " +
-                                std::to_string(options_.code_bytes) + " views at least");
+                                "; a projection is learnt from two categories and " + std::to_string(kCodeNumbers) +
+                                " views at least");
   }
 
   void learn() {
     content_.params = options_.params;
-    content_.code_bytes = options_.code_bytes;
     content_.lists = options_.lists;
     content_.views = static_cast<std::uint32_t>(lessons_.views);
     content_.models = static_cast<std::uint32_t>(lessons_.models.size());
@@ -188,8 +185,7 @@ class Trainer {
         for (const ViewRecord& view : model.views) take(model.category, view.code.data());
       }
     };
-    IntegerMap map =
-        learnDiscriminants(for_each_view, kDepthBins, static_cast<int>(options_.code_bytes), options_.shrinkage);
+    IntegerMap map = learnDiscriminants(for_each_view, kDepthBins, static_cast<int>(kCodeNumbers), options_.shrinkage);
     content_.matrix = std::move(map.matrix);
     content_.bias = std::move(map.bias);
     content_.factor_q24 = std::move(map.factor_q24);
@@ -209,8 +205,8 @@ class Trainer {
     for (ModelRecord& model : library.models) {
       for (ViewRecord& view : model.views) {
         view.code.assign(codes.begin() + static_cast<std::ptrdiff_t>(at),
-                         codes.begin() + static_cast<std::ptrdiff_t>(at + options_.code_bytes));
-        at += options_.code_bytes;
+                         codes.begin() + static_cast<std::ptrdiff_t>(at + kCodeNumbers));
+        at += kCodeNumbers;
       }
     }
     const std::string draft = parts_.path() + "/draft.vxi";
@@ -233,7 +229,7 @@ class Trainer {
     for (std::size_t i = 0; i < lessons_.models.size(); ++i) {
       if (lessons_.calibration[i].empty()) continue;
       std::copy(lessons_.calibration[i].begin(), lessons_.calibration[i].end(), bins.begin());
-      std::vector<std::uint8_t> code(projection.codeBytes());
+      std::vector<std::uint8_t> code(kCodeNumbers);
       projection.project(bins, code.data());
       queries.push_back({numbers[{lessons_.models[i].category, lessons_.models[i].name}], std::move(code)});
     }

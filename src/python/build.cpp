@@ -45,7 +45,7 @@ BuildReport runBuild(const BuildOptions& options, const std::optional<std::pair<
 BuildReport build(const py::object& models, const py::object& out, const std::optional<std::pair<int, int>>& part,
                   bool resume, std::optional<int> jobs, int views_every, bool keep_points,
                   const std::string& descriptor, const py::object& projection, std::optional<std::uint32_t> pairs,
-                  const py::object& on_progress) {
+                  std::optional<std::uint32_t> code_bytes, const py::object& on_progress) {
   require(!pairs || *pairs > 0, "pairs: expected 1 to 1000000");
   BuildOptions options;
   options.models = pathOf(models);
@@ -54,8 +54,8 @@ BuildReport build(const py::object& models, const py::object& out, const std::op
   options.resume = resume;
   options.views_every = views_every;
   options.keep_surfaces = keep_points;
-  options.profile =
-      valueOf(profileOf(descriptor, projection.is_none() ? std::string() : pathOf(projection), pairs.value_or(0)));
+  options.profile = valueOf(profileOf(descriptor, projection.is_none() ? std::string() : pathOf(projection),
+                                      pairs.value_or(0), code_bytes.value_or(0)));
   return runBuild(options, part, on_progress);
 }
 
@@ -91,7 +91,7 @@ void addBuild(py::module& module) {
   module.def("build", build, py::arg("models"), py::arg("out"), py::kw_only(), py::arg("part") = py::none(),
              py::arg("resume") = false, py::arg("jobs") = py::none(), py::arg("views_every") = 1,
              py::arg("keep_points") = false, py::arg("descriptor") = "default", py::arg("projection") = py::none(),
-             py::arg("pairs") = py::none(), py::arg("on_progress") = py::none());
+             py::arg("pairs") = py::none(), py::arg("code_bytes") = py::none(), py::arg("on_progress") = py::none());
   module.def("merge", merge, py::arg("indices"), py::arg("out"), py::kw_only(), py::arg("replace") = false);
 }
 

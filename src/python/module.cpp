@@ -128,7 +128,12 @@ void findPixels(Seen& seen, const bool* mask) {
   }
 }
 
-/// Codes of signed bytes in "default", bins of unsigned ones in "paper"; raises if there is nothing to describe.
+/// A code's numbers are signed bytes; packed ones and the bins of "paper" are unsigned.
+py::dtype bytesOf(const Profile& profile) {
+  return profile.projection && !profile.packed ? py::dtype::of<std::int8_t>() : py::dtype::of<std::uint8_t>();
+}
+
+/// Raises if there is nothing to describe.
 py::array codeOf(const Profile& profile, Seen seen) {
   std::vector<std::uint8_t> code(profile.codeBytes());
   const bool* const mask = seen.mask ? Array<bool>(seen.mask).data() : nullptr;
@@ -141,9 +146,7 @@ py::array codeOf(const Profile& profile, Seen seen) {
   }
   require(status == DescribeStatus::Ok,
           "depth: nothing to describe; at least two pixels with depth are needed inside the mask");
-  const auto bytes = static_cast<py::ssize_t>(code.size());
-  if (!profile.projection) return py::array_t<std::uint8_t>(bytes, code.data());
-  return py::array_t<std::int8_t>(bytes, reinterpret_cast<const std::int8_t*>(code.data()));
+  return py::array(bytesOf(profile), static_cast<py::ssize_t>(code.size()), code.data());
 }
 
 const Profile& shippedProfile() {
@@ -233,12 +236,7 @@ class PyIndex {
 py::array codesOf(const std::shared_ptr<PyIndex>& self) {
   const Index& index = self->index();
   const py::ssize_t rows = index.viewCount(), bytes = index.parameters().code_bytes;
-  const py::object owner = py::cast(self);
-  py::array codes;
-  if (index.projection())
-    codes = py::array_t<std::int8_t>({rows, bytes}, reinterpret_cast<const std::int8_t*>(index.code(0)), owner);
-  else
-    codes = py::array_t<std::uint8_t>({rows, bytes}, index.code(0), owner);
+  py::array codes(bytesOf(index.profile()), {rows, bytes}, index.code(0), py::cast(self));
   codes.attr("setflags")(py::arg("write") = false);
   return codes;
 }

@@ -31,7 +31,8 @@ def halves(models, tmp_path_factory):
     return folder / "first", folder / "second"
 
 
-@pytest.fixture(scope="module", params=[["default"], ["paper"], ["default", "--keep-points"]], ids=" ".join)
+@pytest.fixture(scope="module", params=[["default"], ["paper"], ["default", "--keep-points"],
+                                         ["default", "--bytes", "32"]], ids=" ".join)
 def files(voxid, models, halves, tmp_path_factory, request):
     """The indices of all models and of each half."""
     folder = tmp_path_factory.mktemp("indices")
@@ -93,7 +94,9 @@ def test_what_is_not_there_cannot_be_removed(voxid, files, tmp_path):
 def test_different_descriptors_do_not_mix(voxid, halves, tmp_path):
     default = build(voxid, halves[0], tmp_path / "d.vxi")
     paper = build(voxid, halves[1], tmp_path / "p.vxi", "--descriptor", "paper")
-    voxid("merge", default, paper, "--out", tmp_path / "m.vxi").refuses(1, "p.vxi", "descriptors differ")
+    packed = build(voxid, halves[1], tmp_path / "k.vxi", "--bytes", 32)
+    for other in (paper, packed):
+        voxid("merge", default, other, "--out", tmp_path / "m.vxi").refuses(1, other.name, "descriptors differ")
 
 
 def test_two_writers_do_not_meet(voxid, files, tmp_path):

@@ -130,6 +130,20 @@ def test_a_paper_index_is_asked_with_bins(paper_index, image):
     assert views.tolist() == order.tolist() and distances.tolist() == expected[order].tolist()
 
 
+def test_a_packed_index_is_asked_with_packed_codes(models, image, tmp_path):
+    voxid_module.build(models, tmp_path / "small.vxi", views_every=4, code_bytes=32)
+    opened = voxid_module.Index.open(str(tmp_path / "small.vxi"))
+    code, codes = opened.describe(image, None, CAMERA), opened.codes
+    assert code.dtype == codes.dtype == np.uint8 and code.shape == (32,) and codes.shape == (len(opened), 32)
+    nibbles = np.concatenate([code & 15, code >> 4]).astype(int)
+    numbers = 16 * np.where(nibbles < 8, nibbles, nibbles - 16)
+    signs = [[(-1) ** bin(i & k).count("1") for k in range(64)] for i in range(64)]
+    mixed = np.array(signs) @ voxid_module.describe(image, None, CAMERA) / 8
+    assert np.abs(numbers - np.clip(mixed, -112, 112)).max() <= 8
+    category, _, _ = opened.place_of(opened.nearest(code)[0][0])
+    assert opened.categories[category] == "tin"
+
+
 def test_parts_make_the_index_of_the_command_line(models, index, tmp_path):
     voxid_module.render(str(models / "tin/tin_a.ply"))  # the processes of a build are forked from what this leaves
     out, told = tmp_path / "parts.vxi", []
@@ -145,6 +159,7 @@ def test_parts_make_the_index_of_the_command_line(models, index, tmp_path):
 @pytest.mark.parametrize("words, options", [
     (["--descriptor", "paper", "--pairs", "500"], {"descriptor": "paper", "pairs": 500}),
     (["--keep-points"], {"keep_points": True}),
+    (["--bytes", "32"], {"code_bytes": 32}),
     (["--projection", ROOT / "cfg/default.vxp"], {"projection": ROOT / "cfg/default.vxp"})])
 def test_options_are_those_of_the_command_line(voxid, models, tmp_path, words, options):
     expected, out = tmp_path / "expected.vxi", tmp_path / "out.vxi"
@@ -173,6 +188,8 @@ def test_indices_are_merged_as_by_the_command_line(voxid, models, tmp_path):
     (ValueError, {"part": (2, 2)}, "no such part"),
     (ValueError, {"pairs": 500}, "descriptor paper"),
     (ValueError, {"descriptor": "paper", "pairs": 0}, "1 to 1000000"),
+    (ValueError, {"descriptor": "paper", "code_bytes": 32}, "descriptor default"),
+    (ValueError, {"code_bytes": 48}, "32 or 64"),
     (ValueError, {"descriptor": "paper", "projection": "a.vxp"}, "descriptor default"),
     (ValueError, {"jobs": 0}, "1 to 1024"),
     (OSError, {"projection": "absent.vxp"}, "absent.vxp"),

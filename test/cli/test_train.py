@@ -5,11 +5,10 @@ import shutil
 import pytest
 
 
-@pytest.fixture(scope="module", params=[64, 32])
-def projection(voxid, models, tmp_path_factory, request):
-    path = tmp_path_factory.mktemp("projection") / f"solids{request.param}.vxp"
-    answer = voxid("train", "--models", models, "-o", path, "--bytes", request.param, "--lists", 16, "--pairs", 1500,
-                   "--jobs", 2)
+@pytest.fixture(scope="module")
+def projection(voxid, models, tmp_path_factory):
+    path = tmp_path_factory.mktemp("projection") / "solids.vxp"
+    answer = voxid("train", "--models", models, "-o", path, "--lists", 16, "--pairs", 1500, "--jobs", 2)
     assert answer.code == 0, answer.err
     assert "560 views of 7 models in 6 categories" in answer.err
     return path
@@ -19,10 +18,10 @@ def build(voxid, models, out, *options):
     return voxid("build", "--models", models, "--out", out, "--views-every", 4, *options)
 
 
-def test_an_index_carries_the_projection_and_finds_its_views(voxid, models, projection, views, tmp_path):
-    code_bytes = int(projection.stem[-2:])
+@pytest.mark.parametrize("code_bytes", [64, 32])
+def test_an_index_carries_the_projection_and_finds_its_views(voxid, models, projection, views, tmp_path, code_bytes):
     index = tmp_path / "solids.vxi"
-    assert build(voxid, models, index, "--projection", projection).code == 0
+    assert build(voxid, models, index, "--projection", projection, "--bytes", code_bytes).code == 0
     line = voxid("info", index, "--json").json
     assert (line["descriptor"], line["code_bytes"], line["pairs"]) == ("default", code_bytes, 1500)
     assert 1 <= line["buckets"] <= 16 and projection.read_bytes() in index.read_bytes()
@@ -33,7 +32,7 @@ def test_an_index_carries_the_projection_and_finds_its_views(voxid, models, proj
 
 def test_the_bytes_do_not_depend_on_jobs(voxid, models, projection, tmp_path):
     again = tmp_path / "again.vxp"
-    options = ["--bytes", projection.stem[-2:], "--lists", 16, "--pairs", 1500, "--jobs", 1]
+    options = ["--lists", 16, "--pairs", 1500, "--jobs", 1]
     assert voxid("train", "--models", models, "-o", again, *options).code == 0
     assert again.read_bytes() == projection.read_bytes()
     assert not list(tmp_path.glob("*.parts*"))
@@ -62,4 +61,6 @@ def test_wrong_projections_are_refused(voxid, models, tmp_path):
     build(voxid, models, out, "--projection", bad).refuses(4, "bad.vxp", "damaged")
     build(voxid, models, out, "--projection", bad, "--descriptor", "paper").refuses(2, "--projection")
     build(voxid, models, out, "--pairs", 500).refuses(2, "--pairs", "paper")
+    build(voxid, models, out, "--bytes", 32, "--descriptor", "paper").refuses(2, "--bytes", "default")
+    build(voxid, models, out, "--bytes", 48).refuses(2, "--bytes")
     assert not out.exists()

@@ -40,14 +40,14 @@ TEST(Allocation, DescribeTakesNone) {
             0);
 }
 
-TEST(Allocation, TheDefaultProfileTakesNone) {
+void expectTheDefaultProfileTakesNone(bool packed) {
   test::Folder folder;
   IndexContent content = test::randomContent(30, 2, 8, 1);
-  content.profile.projection = test::projectionOf(test::randomProjectionContent(64, 40, 1));
+  content.profile = {{}, test::projectionOf(test::randomProjectionContent(40, 1)), packed};
   test::Random random(2);
   for (ModelRecord& model : content.models) {
     for (ViewRecord& view : model.views) {
-      view.code.resize(64);
+      view.code.resize(content.profile.codeBytes());
       for (std::uint8_t& number : view.code) number = static_cast<std::uint8_t>(random.bits());
     }
   }
@@ -67,6 +67,10 @@ TEST(Allocation, TheDefaultProfileTakesNone) {
             }),
             0);
 }
+
+TEST(Allocation, TheDefaultProfileTakesNone) { expectTheDefaultProfileTakesNone(false); }
+
+TEST(Allocation, TheDefaultProfilePackedTakesNone) { expectTheDefaultProfileTakesNone(true); }
 
 TEST(Allocation, FindAndClassifyTakeNone) {
   test::Folder folder;

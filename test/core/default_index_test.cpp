@@ -26,34 +26,49 @@ using test::writeBytes;
 using Code = std::vector<std::uint8_t>;
 using Neighbours = std::vector<std::pair<std::uint32_t, std::uint32_t>>;  // distance, view
 
-constexpr std::uint32_t kBytes = 64, kLists = 24;
+constexpr std::uint32_t kLists = 24;
 
 /// Around few middles, so that lists differ in size and some stay empty.
-Code randomDefaultCode(test::Random& random) {
+Code randomDefaultCode(test::Random& random, bool packed) {
   const int middle = random.below(5) * 20 - 40;
-  Code code(kBytes);
+  Code code(kCodeNumbers), small(kPackedCodeBytes);
   for (std::uint8_t& number : code) number = static_cast<std::uint8_t>(middle + random.between(-30, 30));
-  return code;
+  if (packed) packCode(code.data(), small.data());
+  return packed ? small : code;
 }
 
-IndexContent defaultContent(int categories, int models, int views) {
-  static const auto projection = test::projectionOf(test::randomProjectionContent(kBytes, kLists, 1));
+IndexContent defaultContent(bool packed, int categories, int models, int views) {
+  static const auto projection = test::projectionOf(test::randomProjectionContent(kLists, 1));
   IndexContent content = test::randomContent(categories, models, views, 2);
-  content.profile = {{}, projection};
+  content.profile = {{}, projection, packed};
   test::Random random(3);
   for (ModelRecord& model : content.models) {
-    for (ViewRecord& view : model.views) view.code = randomDefaultCode(random);
+    for (ViewRecord& view : model.views) view.code = randomDefaultCode(random, packed);
   }
   return content;
 }
 
-std::uint32_t slowDistance(const Code& code, const std::uint8_t* other) {
-  int sum = 0;
-  for (std::size_t i = 0; i < kBytes; ++i) {
-    const int d = static_cast<std::int8_t>(code[i]) - static_cast<std::int8_t>(other[i]);
-    sum += d * d;
+using Numbers = std::vector<double>;
+
+/// What distances count, written down once more.
+Numbers slowNumbers(const std::uint8_t* code, bool packed) {
+  Numbers numbers;
+  for (std::size_t i = 0; i < kCodeNumbers; ++i) {
+    const int byte = code[packed ? i % 32 : i], half = i < 32 ? byte % 16 : byte / 16;
+    numbers.push_back(packed ? 16 * (half < 8 ? half : half - 16) : static_cast<std::int8_t>(byte));
   }
+  return numbers;
+}
+
+std::uint32_t squaresOf(const Numbers& a, const Numbers& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
   return static_cast<std::uint32_t>(sum);
+}
+
+std::uint32_t slowDistance(const Code& code, const std::uint8_t* other) {
+  const bool packed = code.size() == kPackedCodeBytes;
+  return squaresOf(slowNumbers(code.data(), packed), slowNumbers(other, packed));
 }
 
 Neighbours pairsOf(Span<const Neighbour> found) {
@@ -89,17 +104,27 @@ Neighbours head(Neighbours list, std::size_t count) {
 
 const auto kAll = [](std::uint32_t) { return true; };
 
-class DefaultIndex : public testing::Test {
+class DefaultIndex : public testing::TestWithParam<bool> {
  protected:
   std::shared_ptr<const Index> make(int categories, int models, int views) {
-    return test::writtenIndex(folder_, defaultContent(categories, models, views));
+    return test::writtenIndex(folder_, defaultContent(kPacked, categories, models, views));
   }
+  Code randomCode() { return randomDefaultCode(random_, kPacked); }
+  /// As centroids are.
+  Code unpacked(const std::uint8_t* code) const {
+    Code plain(code, code + kBytes);
+    plain.resize(kCodeNumbers);
+    if (kPacked) unpackCode(code, plain.data());
+    return plain;
+  }
+  const bool kPacked = GetParam();
+  const std::size_t kBytes = kPacked ? 32 : 64;
   Folder folder_;
   test::Random random_{4};
 };
 
-TEST_F(DefaultIndex, HoldsWhatWasWritten) {
-  IndexContent content = defaultContent(3, 2, 4);
+TEST_P(DefaultIndex, HoldsWhatWasWritten) {
+  IndexContent content = defaultContent(kPacked, 3, 2, 4);
   content.models[0].views.erase(content.models[0].views.begin());  // models need not have the same number
   content.models[1].views.pop_back();
   content.models[2].views[1].extents = {0, 0x8012, 65535};
@@ -128,7 +153,7 @@ TEST_F(DefaultIndex, HoldsWhatWasWritten) {
   }
 }
 
-TEST_F(DefaultIndex, WritingWhatWasReadGivesTheSameBytes) {
+TEST_P(DefaultIndex, WritingWhatWasReadGivesTheSameBytes) {
   const auto index = make(4, 2, 3);
   const Result<IndexContent> content = readContent(*index);
   ASSERT_TRUE(content.ok());
@@ -137,18 +162,19 @@ TEST_F(DefaultIndex, WritingWhatWasReadGivesTheSameBytes) {
   EXPECT_TRUE(readBytes(again) == readBytes(index->path()));
 }
 
-TEST_F(DefaultIndex, AViewCostsItsCodeAndEightBytes) {
+TEST_P(DefaultIndex, AViewCostsItsCodeAndEightBytes) {
   const auto small = make(2, 2, 5);
   const std::uint64_t bytes = small->bytes();
-  const auto large = test::writtenIndex(folder_, defaultContent(2, 2, 105));
-  EXPECT_NEAR(static_cast<double>(large->bytes() - bytes) / 400, kBytes + 8, 5) << "beside them directions, lists";
+  const auto large = test::writtenIndex(folder_, defaultContent(kPacked, 2, 2, 105));
+  EXPECT_NEAR(static_cast<double>(large->bytes() - bytes) / 400, static_cast<double>(kBytes) + 8, 5)
+      << "beside them directions, lists";
 }
 
-TEST_F(DefaultIndex, ExactSearchEqualsBruteForce) {
+TEST_P(DefaultIndex, ExactSearchEqualsBruteForce) {
   const auto index = make(12, 3, 9);
   const auto search = makeExactSearch(index);
   for (int i = 0; i < 50; ++i) {
-    const Code code = randomDefaultCode(random_);
+    const Code code = randomCode();
     const Neighbours all = sortedViews(*index, code, kAll);
     const Nearest& found = search->find(code.data());
     EXPECT_EQ(pairsOf(found.views), head(all, kNearestViews));
@@ -157,11 +183,11 @@ TEST_F(DefaultIndex, ExactSearchEqualsBruteForce) {
   }
 }
 
-TEST_F(DefaultIndex, AllListsEqualBruteForceAmongTheNearest) {
+TEST_P(DefaultIndex, AllListsEqualBruteForceAmongTheNearest) {
   const auto index = make(40, 2, 6);
   const auto search = makeListSearch(index, kLists);
   for (int i = 0; i < 50; ++i) {
-    const Code code = randomDefaultCode(random_);
+    const Code code = randomCode();
     const std::uint32_t left_out = i % 2 == 0 ? Search::kNone : static_cast<std::uint32_t>(random_.below(80));
     std::vector<std::uint8_t> categories(i % 3 == 0 ? 40 : 0, 1);
     if (!categories.empty()) std::fill_n(categories.begin(), 25, 0);
@@ -176,20 +202,22 @@ TEST_F(DefaultIndex, AllListsEqualBruteForceAmongTheNearest) {
   }
 }
 
-TEST_F(DefaultIndex, NearestListsAreComparedInFull) {
+TEST_P(DefaultIndex, NearestListsAreComparedInFull) {
   const auto index = make(40, 2, 6);
   const Projection& projection = *index->projection();
   const auto search = makeListSearch(index, 3);
   for (int i = 0; i < 50; ++i) {
-    const Code code = randomDefaultCode(random_);
+    const Code code = randomCode();
+    const Code plain = unpacked(code.data());
     Neighbours lists;  // that hold something
     for (const Key list : index->keys()) {
-      lists.emplace_back(slowDistance(code, projection.centroids() + list * kBytes), static_cast<std::uint32_t>(list));
+      lists.emplace_back(slowDistance(plain, projection.centroids() + list * kCodeNumbers),
+                         static_cast<std::uint32_t>(list));
     }
     std::sort(lists.begin(), lists.end());
     const auto among = [&](std::size_t probed) {
       return sortedViews(*index, code, [&](std::uint32_t view) {
-        const std::uint32_t list = projection.listOf(index->code(view));
+        const std::uint32_t list = projection.listOf(unpacked(index->code(view)).data());
         return std::any_of(lists.begin(), lists.begin() + static_cast<std::ptrdiff_t>(std::min(probed, lists.size())),
                            [&](const auto& entry) { return entry.second == list; });
       });
@@ -202,13 +230,13 @@ TEST_F(DefaultIndex, NearestListsAreComparedInFull) {
   }
 }
 
-TEST_F(DefaultIndex, AScopeIsSearchedAmongAsManyViewsAsTheWhole) {
+TEST_P(DefaultIndex, AScopeIsSearchedAmongAsManyViewsAsTheWhole) {
   const auto index = make(40, 2, 6);
   std::vector<std::uint8_t> fourth(40, 0);
   std::fill_n(fourth.begin(), 10, 1);
   const Span<const std::uint8_t> categories{fourth.data(), fourth.size()};
   for (int i = 0; i < 20; ++i) {
-    const Code code = randomDefaultCode(random_);
+    const Code code = randomCode();
     const auto few = makeListSearch(index, 3), more = makeListSearch(index, 12);
     const Neighbours found = pairsOf(few->find(code.data(), {categories}).views);
     const Neighbours whole = pairsOf(more->find(code.data()).views);
@@ -219,66 +247,60 @@ TEST_F(DefaultIndex, AScopeIsSearchedAmongAsManyViewsAsTheWhole) {
   }
 }
 
-TEST_F(DefaultIndex, FiveCategoriesAreMetWhereverThereAreFive) {
+TEST_P(DefaultIndex, FiveCategoriesAreMetWhereverThereAreFive) {
   const auto index = make(5, 1, 200);  // kCategoryPool views may be of two
   for (const int lists : {1, 100}) {
     for (int i = 0; i < 20; ++i) {
-      const Code code = randomDefaultCode(random_);
+      const Code code = randomCode();
       const auto search = makeListSearch(index, lists);
       EXPECT_EQ(search->find(code.data()).categories.size, 5u);
     }
   }
 }
 
-TEST_F(DefaultIndex, FewCategoriesAreAllMet) {
+TEST_P(DefaultIndex, FewCategoriesAreAllMet) {
   const auto index = make(3, 1, 5);
-  const Code code = randomDefaultCode(random_);
+  const Code code = randomCode();
   EXPECT_EQ(makeListSearch(index, 1)->find(code.data()).scanned, 15u);
   EXPECT_EQ(makeListSearch(index, -7)->find(code.data()).scanned, 15u);
   EXPECT_EQ(makeListSearch(index, 1000000)->find(code.data()).scanned, 15u);
 }
 
-TEST_F(DefaultIndex, TheProfileChoosesTheSearch) {
+TEST_P(DefaultIndex, TheProfileChoosesTheSearch) {
   const auto index = make(6, 2, 5);
   SearchParams params;
   params.exact = false;
   params.lists = 1000;
-  const Code code = randomDefaultCode(random_);
+  const Code code = randomCode();
   EXPECT_EQ(makeSearch(index, params)->find(code.data()).scanned, index->viewCount());
 }
 
 // ---- codes moved towards their categories' means -----------------------------------------------------------------
-
-using Numbers = std::vector<double>;
-
-Numbers numbersOf(const std::uint8_t* code) {
-  const auto* const first = reinterpret_cast<const std::int8_t*>(code);
-  return {first, first + kBytes};
-}
 
 double lengthOf(const Numbers& numbers) {
   return std::sqrt(std::inner_product(numbers.begin(), numbers.end(), numbers.begin(), 0.0));
 }
 
 /// In floating point; `mean` may be empty.
-double slowMovedDistance(const std::uint8_t* query, const std::uint8_t* code, const Numbers& mean) {
-  const Numbers q = numbersOf(query);
-  Numbers moved = numbersOf(code);
+double slowMovedDistance(const Code& query, const std::uint8_t* code, const Numbers& mean) {
+  const bool packed = query.size() == kPackedCodeBytes;
+  const Numbers q = slowNumbers(query.data(), packed);
+  Numbers moved = slowNumbers(code, packed);
   for (std::size_t i = 0; i < mean.size(); ++i) moved[i] += (mean[i] - moved[i]) / 3;
-  const double stretch = Projection::kCodeLength / lengthOf(moved);
+  const double stretch = kCodeLength / lengthOf(moved);
   double sum = 0;
-  for (std::size_t i = 0; i < kBytes; ++i) sum += (q[i] - stretch * moved[i]) * (q[i] - stretch * moved[i]);
+  for (std::size_t i = 0; i < q.size(); ++i) sum += (q[i] - stretch * moved[i]) * (q[i] - stretch * moved[i]);
   return sum;
 }
 
 Numbers slowMean(const Index& index, std::uint32_t category, std::uint32_t left_out) {
-  Numbers sums(kBytes);
+  Numbers sums(kCodeNumbers);
   int views = 0;
   for (std::uint32_t view = 0; view < index.viewCount(); ++view) {
     const std::uint32_t model = index.modelOf(view);
     if (model == left_out || index.models()[model].category != category) continue;
-    const Numbers code = numbersOf(index.code(view));
-    for (std::size_t i = 0; i < kBytes; ++i) sums[i] += code[i];
+    const Numbers code = slowNumbers(index.code(view), index.profile().packed);
+    for (std::size_t i = 0; i < kCodeNumbers; ++i) sums[i] += code[i];
     ++views;
   }
   if (views == 0) return {};
@@ -286,7 +308,7 @@ Numbers slowMean(const Index& index, std::uint32_t category, std::uint32_t left_
   return sums;
 }
 
-TEST_F(DefaultIndex, HoldsTheMeansOfItsCategories) {
+TEST_P(DefaultIndex, HoldsTheMeansOfItsCategories) {
   const auto index = make(5, 3, 7);
   for (std::uint32_t category = 0; category < 5; ++category) {
     const Numbers mean = slowMean(*index, category, Search::kNone);
@@ -295,13 +317,13 @@ TEST_F(DefaultIndex, HoldsTheMeansOfItsCategories) {
 }
 
 TEST(CodeMean, RoundsHalvesAwayFromZero) {
-  CodeMean mean(3);
-  for (const std::array<std::int8_t, 3>& code : {std::array<std::int8_t, 3>{1, -1, 4}, {2, -2, 4}}) {
+  CodeMean mean(kCodeNumbers);
+  for (const CodeNumbers& code : {CodeNumbers{1, -1, 4}, CodeNumbers{2, -2, 4}}) {
     mean.add(reinterpret_cast<const std::uint8_t*>(code.data()));
   }
-  std::array<std::int8_t, 3> rounded{};
+  CodeNumbers rounded{};
   mean.write(rounded.data());
-  EXPECT_EQ(rounded, (std::array<std::int8_t, 3>{2, -2, 4}));
+  EXPECT_EQ(rounded, (CodeNumbers{2, -2, 4}));
 }
 
 std::set<std::uint32_t> viewsOf(const Neighbours& found) {
@@ -310,11 +332,11 @@ std::set<std::uint32_t> viewsOf(const Neighbours& found) {
   return views;
 }
 
-TEST_F(DefaultIndex, WhatIsFoundIsMeasuredTowardsTheMeans) {
+TEST_P(DefaultIndex, WhatIsFoundIsMeasuredTowardsTheMeans) {
   const auto index = make(8, 3, 9);
   const auto search = makeSearch(index, {});
   for (int i = 0; i < 20; ++i) {
-    const Code code = randomDefaultCode(random_);
+    const Code code = randomCode();
     const std::uint32_t left_out = i % 2 == 0 ? Search::kNone : static_cast<std::uint32_t>(random_.below(24));
     const Nearest& found = search->find(code.data(), {{}, left_out});
     ASSERT_EQ(found.views.size, std::size_t{kNearestViews});
@@ -322,7 +344,7 @@ TEST_F(DefaultIndex, WhatIsFoundIsMeasuredTowardsTheMeans) {
     for (const Neighbour& n : found.views) {
       const Numbers mean = slowMean(*index, index->models()[index->modelOf(n.view)].category, left_out);
       ASSERT_NE(index->modelOf(n.view), left_out);
-      ASSERT_NEAR(n.distance, slowMovedDistance(code.data(), index->code(n.view), mean), 8) << n.view;
+      ASSERT_NEAR(n.distance, slowMovedDistance(code, index->code(n.view), mean), 8) << n.view;
     }
     EXPECT_TRUE(std::is_sorted(found.views.begin(), found.views.end()));
     EXPECT_TRUE(std::is_sorted(found.categories.begin(), found.categories.end()));
@@ -332,9 +354,9 @@ TEST_F(DefaultIndex, WhatIsFoundIsMeasuredTowardsTheMeans) {
   }
 }
 
-TEST_F(DefaultIndex, TheOnlyModelOfACategoryLeavesItWithoutAMean) {
+TEST_P(DefaultIndex, TheOnlyModelOfACategoryLeavesItWithoutAMean) {
   const auto index = make(6, 1, 4);
-  const Code code = randomDefaultCode(random_);
+  const Code code = randomCode();
   EXPECT_EQ(makeSearch(index, {})->find(code.data(), {{}, 2}).categories.size, 5u);
 }
 
@@ -343,7 +365,7 @@ TEST_F(DefaultIndex, TheOnlyModelOfACategoryLeavesItWithoutAMean) {
 void useIt(const std::shared_ptr<const Index>& index) {
   std::vector<std::uint8_t> every_second(index->categories().size);
   for (std::size_t i = 0; i < every_second.size(); i += 2) every_second[i] = 1;
-  const Code code(kBytes, 3);
+  const Code code(index->parameters().code_bytes, 3);
   SearchParams lists;
   lists.exact = false;
   for (const auto& search : {makeExactSearch(index), makeListSearch(index, 2), makeListSearch(index, 100),
@@ -366,7 +388,7 @@ struct Damage {
   std::size_t bytes;
 };
 
-TEST_F(DefaultIndex, ReferencesThatLieAreHarmlessAndFound) {
+TEST_P(DefaultIndex, ReferencesThatLieAreHarmlessAndFound) {
   const std::string path = make(3, 2, 2)->path(), good = readBytes(path);
   constexpr std::uint32_t kFar = 0xffffffff;
   for (const Damage& damage : {Damage{"VIE4", 4, 200, 1}, Damage{"MODL", 32 + 16, kFar, 4}, Damage{"MODL", 16, 5, 4},
@@ -388,6 +410,10 @@ TEST_F(DefaultIndex, ReferencesThatLieAreHarmlessAndFound) {
     EXPECT_EQ(index.value->verify().kind, Status::Kind::Damaged) << damage.tag << damage.at;
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(OfEitherSize, DefaultIndex, testing::Bool(), [](const testing::TestParamInfo<bool>& packed) {
+  return packed.param ? "32Bytes" : "64Bytes";
+});
 
 }  // namespace
 }  // namespace voxid

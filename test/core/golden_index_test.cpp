@@ -28,7 +28,7 @@ ViewRecord viewOf(int direction, int turn) {
 
 IndexContent goldenContent() {
   IndexContent content;
-  content.profile.projection = test::projectionOf(test::randomProjectionContent(kBytes, kLists, 12));
+  content.profile.projection = test::projectionOf(test::randomProjectionContent(kLists, 12));
   content.directions = test::someDirections(4);
   content.calibration.samples = 250;
   for (int bin = 0; bin < format::Calibration::kBins; ++bin)

@@ -12,18 +12,17 @@
 namespace voxid::test {
 
 /// Any numbers that a projection may have.
-inline ProjectionContent randomProjectionContent(std::uint32_t code_bytes, std::uint32_t lists, std::uint64_t seed) {
+inline ProjectionContent randomProjectionContent(std::uint32_t lists, std::uint64_t seed) {
   Random random(seed);
   ProjectionContent content;
   content.params = {500, 3};
-  content.code_bytes = code_bytes;
   content.lists = lists;
   content.views = 7, content.models = 3, content.categories = 2;
-  for (std::uint32_t i = 0; i < code_bytes * kDepthBins; ++i)
+  for (std::size_t i = 0; i < kCodeNumbers * kDepthBins; ++i)
     content.matrix.push_back(static_cast<std::int8_t>(random.between(-127, 127)));
-  for (std::uint32_t i = 0; i < code_bytes; ++i) content.bias.push_back(random.between(-100000, 100000));
-  for (std::uint32_t i = 0; i < code_bytes; ++i) content.factor_q24.push_back(random.between(0, 2000000));
-  for (std::uint32_t i = 0; i < code_bytes * lists; ++i)
+  for (std::size_t i = 0; i < kCodeNumbers; ++i) content.bias.push_back(random.between(-100000, 100000));
+  for (std::size_t i = 0; i < kCodeNumbers; ++i) content.factor_q24.push_back(random.between(0, 2000000));
+  for (std::size_t i = 0; i < kCodeNumbers * lists; ++i)
     content.centroids.push_back(static_cast<std::uint8_t>(random.between(-60, 60)));
   for (int bin = 0; bin < format::Calibration::kBins; ++bin)
     content.calibration.score_permille[bin] = static_cast<std::uint16_t>(10 * bin);

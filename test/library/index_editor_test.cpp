@@ -30,7 +30,7 @@ ModelRecord modelOf(int category, const std::string& name, test::Random& random)
 
 // A model of each of many categories.
 Status writeShelf(const std::string& name, const std::string& path) {
-  const Profile profile{{}, test::projectionOf(test::randomProjectionContent(kBytes, 7, 1))};
+  const Profile profile{{}, test::projectionOf(test::randomProjectionContent(7, 1))};
   IndexAssembler whole(profile, test::someDirections(kViews), path);
   test::Random random(name.size());
   for (int category = 0; category < kCategories; ++category) {

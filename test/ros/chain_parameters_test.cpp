@@ -205,7 +205,7 @@ TEST_F(ClassificationSettings, WorkInTheNextFrameByTheKeysOfThePapersDescriptor)
 TEST_F(ClassificationSettings, WorkInTheNextFrameByTheListsOfTheDefault) {
   constexpr std::uint32_t kBytes = 64;
   IndexContent content = test::randomContent(12, 3, 4, 5);
-  content.profile = {{}, test::projectionOf(test::randomProjectionContent(kBytes, 200, 1))};
+  content.profile = {{}, test::projectionOf(test::randomProjectionContent(200, 1))};
   test::Random random(3);
   for (ModelRecord& model : content.models) {
     for (ViewRecord& view : model.views) {

@@ -17,7 +17,11 @@ struct Profile {
   DescriptorParams params;                       ///< of "paper"; "default" has those of its projection
   std::shared_ptr<const Projection> projection;  ///< null: "paper", the 416 bins by L1. Else "default": the depth
                                                  ///< descriptor, projected, by squared Euclidean distance
-  std::size_t codeBytes() const { return projection ? projection->codeBytes() : std::size_t{kDescriptorBytes}; }
+  bool packed = false;                           ///< "default": codes take 32 bytes instead of 64 (code.h)
+  std::size_t codeBytes() const {
+    if (!projection) return std::size_t{kDescriptorBytes};
+    return packed ? kPackedCodeBytes : kCodeNumbers;
+  }
 };
 
 /// Turns what a camera sees of an object into the code that an index stores. All memory is taken at construction. One

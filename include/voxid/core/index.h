@@ -37,7 +37,9 @@ class Index {
   const format::Parameters& parameters() const { return *parameters_; }
   DescriptorParams descriptorParams() const { return {parameters_->pairs, parameters_->seed}; }
   /// How its codes were made; a query is to be made alike.
-  Profile profile() const { return {descriptorParams(), projection_}; }
+  Profile profile() const {
+    return {descriptorParams(), projection_, projection_ && parameters_->code_bytes == kPackedCodeBytes};
+  }
   /// Null in an index of profile "paper".
   const std::shared_ptr<const Projection>& projection() const { return projection_; }
 
@@ -63,10 +65,8 @@ class Index {
   /// The stored bytes of a view, code_bytes of them.
   const std::uint8_t* code(std::uint32_t view) const { return codes_ + std::size_t{view} * parameters_->code_bytes; }
 
-  /// The mean of a category's codes, code_bytes numbers; only in "default".
-  const std::int8_t* mean(std::uint32_t category) const {
-    return means_.data + std::size_t{category} * parameters_->code_bytes;
-  }
+  /// The mean of the numbers of a category's codes, kCodeNumbers of them; only in "default".
+  const std::int8_t* mean(std::uint32_t category) const { return means_.data + std::size_t{category} * kCodeNumbers; }
 
   Span<const Key> keys() const { return keys_; }
   /// The views in bucket `i` (of keys()[i]). A range outside the section (possible only in a damaged file) comes back

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "voxid/core/code.h"
 #include "voxid/core/depth_descriptor.h"
 #include "voxid/core/index_format.h"
 #include "voxid/core/span.h"
@@ -33,16 +34,13 @@ class Projection {
   /// What the bins to be projected must be made with.
   DescriptorParams descriptorParams() const { return {header_->pairs, header_->seed}; }
 
-  /// Bytes of a code: 32 or 64 numbers, -127 to 127, of length kCodeLength, compared by their squared distance.
-  static constexpr int kCodeLength = 360;
-  static constexpr std::size_t kMostCodeBytes = 64;
-  std::uint32_t codeBytes() const { return header_->code_bytes; }
+  /// Writes a code of 64 bytes (code.h).
   void project(const DepthBins& bins, std::uint8_t* code) const;
 
-  /// The list that a code belongs to: that of the nearest centroid, the first of equally near ones.
+  /// The list that a code of 64 bytes belongs to: that of the nearest centroid, the first of equally near ones.
   std::uint32_t listOf(const std::uint8_t* code) const;
   std::uint32_t lists() const { return header_->lists; }
-  const std::uint8_t* centroids() const { return centroids_; }  ///< lists() codes
+  const std::uint8_t* centroids() const { return centroids_; }  ///< lists() codes of 64 bytes
 
  private:
   Projection() = default;
@@ -57,23 +55,16 @@ class Projection {
   const format::Calibration* calibration_ = nullptr;
 };
 
-/// Squared Euclidean distance of two codes, at most 64 x 254^2 = 4,129,024.
-std::uint32_t squaredDistance(const std::uint8_t* a, const std::uint8_t* b, std::size_t code_bytes);
-
-/// Writes numbers below 2^24 in size as a code: kCodeLength of them over their own length, rounded towards zero,
-/// clamped to -127 to 127. All zero stay zero.
-void bringToLength(const std::int64_t* numbers, std::size_t count, std::uint8_t* code);
-
 /// A projection to be written, as `voxid train` makes it.
 struct ProjectionContent {
   DescriptorParams params;  ///< of the depth descriptor
-  std::uint32_t code_bytes = 64, lists = 0;
+  std::uint32_t lists = 0;
   std::uint32_t views = 0, models = 0, categories = 0;  ///< that it was learnt from
-  std::vector<std::int8_t> matrix;                      ///< code_bytes rows of kDepthBins
+  std::vector<std::int8_t> matrix;                      ///< kCodeNumbers rows of kDepthBins
   std::vector<std::int32_t> bias;                       ///< by row; below 2^30 in size
   std::vector<std::int32_t> factor_q24;                 ///< a number before it is brought to length:
                                                         ///< (row . bins + bias) factor / 2^24; 0 to 2^31 - 1
-  std::vector<std::uint8_t> centroids;                  ///< lists codes
+  std::vector<std::uint8_t> centroids;                  ///< lists codes of 64 bytes
   format::Calibration calibration{};
 };
 /// The file's bytes.

@@ -2,32 +2,35 @@
 // What a view's category adds to its code, for profile "default".
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "voxid/core/code.h"
 #include "voxid/core/search.h"
 
 namespace voxid {
 
 /// Squared distance, 0 to 4 kCodeLength^2 = 518,400, from a query to `code` moved a third of the way to `mean`, its
-/// category's, and brought to length again (shrinkage; the weight is measured in doc/descriptor.md, section 7).
-/// `mean` null: to the code itself, brought to length.
+/// category's kCodeNumbers, and brought to length again (shrinkage; the weight is measured in doc/descriptor.md,
+/// section 7). `mean` null: to the code itself, brought to length.
 std::uint32_t movedDistance(const std::uint8_t* query, const std::uint8_t* code, const std::int8_t* mean,
                             std::size_t code_bytes);
 
-/// The mean of some codes, to be added one by one.
+/// The mean of the numbers of some codes, to be added one by one.
 class CodeMean {
  public:
-  explicit CodeMean(std::size_t code_bytes) : sums_(code_bytes) {}
+  explicit CodeMean(std::size_t code_bytes) : code_bytes_(code_bytes) {}
   void add(const std::uint8_t* code);
   bool empty() const { return codes_ == 0; }
-  /// Rounded to nearest, halves away from zero. Some code was added.
+  /// kCodeNumbers of them, rounded to nearest, halves away from zero. Some code was added.
   void write(std::int8_t* mean) const;
   void clear();
 
  private:
-  std::vector<std::int64_t> sums_;
+  std::size_t code_bytes_;
+  std::array<std::int64_t, kCodeNumbers> sums_{};
   std::int64_t codes_ = 0;
 };
 

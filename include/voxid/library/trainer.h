@@ -17,7 +17,6 @@ struct TrainOptions {
   int jobs = 1;
   int views_every = 1;               ///< of the 80 directions; 10 instead of 20 views a model cost two points,
                                      ///< 20 instead of 80 none (doc/descriptor.md)
-  std::uint32_t code_bytes = 64;     ///< 32 or 64
   std::uint32_t lists = 1024;        ///< centroids for the quick search, at most one a view
   DescriptorParams params{6000, 1};  ///< of the depth descriptor, for every index made with the projection
   double shrinkage = 0.03;  ///< share of the mean variance added to every direction; 0.01 to 0.1 cost a point at most
@@ -36,7 +35,7 @@ struct TrainReport {
 /// categories differ most (linear discriminant analysis), rounds it to integers, learns the centroids (Lloyd's
 /// algorithm) and the calibration, and writes the file. Floating point: the same machine gives the same bytes. Call it
 /// from a process with one thread. Fails as buildIndex does, and with NothingFound where fewer than two categories or
-/// fewer views than code_bytes are left.
+/// fewer views than a code has numbers are left.
 Result<TrainReport> trainProjection(const TrainOptions& options, BuildListener& listener);
 
 }  // namespace voxid
