@@ -10,7 +10,6 @@ namespace voxid {
 namespace {
 
 constexpr std::size_t kHalf = kCodeNumbers / 2;
-constexpr int kStep = 16, kMostSteps = 7;
 
 // Sums and differences of numbers 1, 2, 4, .. 32 apart: eight times as long afterwards, twice makes 64 times the same.
 void mix(std::array<std::int32_t, kCodeNumbers>& numbers) {
@@ -33,8 +32,8 @@ std::int64_t clamped(std::int64_t value, std::int64_t most) { return std::min(st
 
 void putSteps(const std::array<std::int64_t, kCodeNumbers>& steps, std::uint8_t* packed) {
   for (std::size_t i = 0; i < kHalf; ++i) {
-    const std::int64_t low = clamped(steps[i], kMostSteps), high = clamped(steps[kHalf + i], kMostSteps);
-    packed[i] = static_cast<std::uint8_t>((low & 15) | (high & 15) << 4);
+    const std::int64_t lower = clamped(steps[i], kMostSteps), upper = clamped(steps[kHalf + i], kMostSteps);
+    packed[i] = static_cast<std::uint8_t>((lower + kStepBias) | (upper + kStepBias) << 4);
   }
 }
 
@@ -44,6 +43,8 @@ std::int64_t lengthOf(const std::int64_t* numbers) {
   return static_cast<std::int64_t>(std::max<std::uint64_t>(squareRoot(squares), 1));
 }
 
+std::int8_t numberOf(int kept) { return static_cast<std::int8_t>((kept - kStepBias) * kPackedStep); }
+
 }  // namespace
 
 void packCode(const std::uint8_t* code, std::uint8_t* packed) {
@@ -51,7 +52,7 @@ void packCode(const std::uint8_t* code, std::uint8_t* packed) {
   for (std::size_t i = 0; i < kCodeNumbers; ++i) numbers[i] = static_cast<std::int8_t>(code[i]);
   mix(numbers);
   std::array<std::int64_t, kCodeNumbers> steps;
-  for (std::size_t i = 0; i < kCodeNumbers; ++i) steps[i] = rounded(numbers[i], 8 * kStep);
+  for (std::size_t i = 0; i < kCodeNumbers; ++i) steps[i] = rounded(numbers[i], 8 * kPackedStep);
   putSteps(steps, packed);
 }
 
@@ -68,8 +69,8 @@ CodeNumbers numbersOf(const std::uint8_t* code, std::size_t code_bytes) {
   CodeNumbers numbers;
   if (code_bytes == kPackedCodeBytes) {
     for (std::size_t i = 0; i < kHalf; ++i) {
-      numbers[i] = lowerNumber(code[i]);
-      numbers[kHalf + i] = upperNumber(code[i]);
+      numbers[i] = numberOf(code[i] & 15);
+      numbers[kHalf + i] = numberOf(code[i] >> 4);
     }
   } else {
     for (std::size_t i = 0; i < kCodeNumbers; ++i) numbers[i] = static_cast<std::int8_t>(code[i]);
@@ -81,7 +82,7 @@ void bringToLength(const std::int64_t* numbers, std::size_t code_bytes, std::uin
   const std::int64_t length = lengthOf(numbers);
   std::array<std::int64_t, kCodeNumbers> scaled;
   if (code_bytes == kPackedCodeBytes) {
-    for (std::size_t i = 0; i < kCodeNumbers; ++i) scaled[i] = rounded(numbers[i] * kCodeLength, length * kStep);
+    for (std::size_t i = 0; i < kCodeNumbers; ++i) scaled[i] = rounded(numbers[i] * kCodeLength, length * kPackedStep);
     putSteps(scaled, code);
   } else {
     for (std::size_t i = 0; i < kCodeNumbers; ++i)

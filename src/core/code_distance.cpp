@@ -1,73 +1,96 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "code_distance.h"
 
+#include <array>
+#include <cstring>
+
 #include "vectorised.h"
 #include "voxid/core/code.h"
 
 namespace voxid {
 namespace {
 
-// Differences as 16-bit numbers: compilers then find the instruction that squares and adds pairs (pmaddwd).
-inline std::int32_t squaredDifference(std::int8_t a, std::int8_t b) {
-  const auto d = static_cast<std::int16_t>(a - b);
-  return d * d;
-}
-
 struct PlainCodes {
   static constexpr std::size_t kBytes = kCodeNumbers;
-  static inline __attribute__((always_inline)) std::uint32_t squared(const std::int8_t* query,
-                                                                     const std::uint8_t* code) {
-    std::int32_t sum = 0;
-    for (std::size_t i = 0; i < kCodeNumbers; ++i)
-      sum += squaredDifference(query[i], static_cast<std::int8_t>(code[i]));
-    return static_cast<std::uint32_t>(sum);
-  }
-};
+  using Query = const std::int8_t*;
+  static Query queryOf(const std::uint8_t* code) { return reinterpret_cast<const std::int8_t*>(code); }
 
-struct PackedCodes {
-  static constexpr std::size_t kBytes = kPackedCodeBytes;
-  static inline __attribute__((always_inline)) std::uint32_t squared(const std::int8_t* query,
-                                                                     const std::uint8_t* code) {
+  // Differences as 16-bit numbers: compilers then find the instruction that squares and adds pairs (pmaddwd).
+  static inline __attribute__((always_inline)) std::uint32_t squared(Query query, const std::uint8_t* code) {
     std::int32_t sum = 0;
-    for (std::size_t i = 0; i < kBytes; ++i) {
-      sum += squaredDifference(query[i], lowerNumber(code[i]));
-      sum += squaredDifference(query[kBytes + i], upperNumber(code[i]));
+    for (std::size_t i = 0; i < kCodeNumbers; ++i) {
+      const auto d = static_cast<std::int16_t>(query[i] - static_cast<std::int8_t>(code[i]));
+      sum += d * d;
     }
     return static_cast<std::uint32_t>(sum);
   }
 };
 
+// Halves of bytes stay where they are, four of them in a 16-bit word: no number has to be moved to be compared.
+struct PackedCodes {
+  static constexpr std::size_t kBytes = kPackedCodeBytes, kWords = kBytes / 2, kParts = 4;
+  using Query = std::array<std::array<std::uint16_t, kWords>, kParts>;
+
+  static inline std::uint16_t word(const std::uint8_t* code, std::size_t i) {
+    std::uint16_t bits;
+    std::memcpy(&bits, code + 2 * i, sizeof bits);
+    return bits;
+  }
+
+  static Query queryOf(const std::uint8_t* code) {
+    Query parts;
+    for (std::size_t part = 0; part < kParts; ++part) {
+      for (std::size_t i = 0; i < kWords; ++i)
+        parts[part][i] = static_cast<std::uint16_t>((word(code, i) >> (4 * part)) & 15);
+    }
+    return parts;
+  }
+
+  // In 16 bits, without a sign: (a - b)^2 is the same for b - a, and 64 squares of sixteenths sum to less than 2^14.
+  static inline __attribute__((always_inline)) std::uint32_t squared(const Query& query, const std::uint8_t* code) {
+    std::uint16_t sum = 0;
+    for (std::size_t i = 0; i < kWords; ++i) {
+      const std::uint16_t numbers = word(code, i);
+      for (std::size_t part = 0; part < kParts; ++part) {
+        const auto d = static_cast<std::uint16_t>(query[part][i] - ((numbers >> (4 * part)) & 15));
+        sum = static_cast<std::uint16_t>(sum + std::uint32_t{d} * d);
+      }
+    }
+    return std::uint32_t{sum} * kPackedStep * kPackedStep;
+  }
+};
+
 template <typename Codes>
-inline __attribute__((always_inline)) void all(const std::int8_t* query, const std::uint8_t* codes, std::size_t count,
+inline __attribute__((always_inline)) void all(const std::uint8_t* query, const std::uint8_t* codes, std::size_t count,
                                                std::uint32_t* distances) {
-  for (std::size_t i = 0; i < count; ++i) distances[i] = Codes::squared(query, codes + i * Codes::kBytes);
+  const typename Codes::Query q = Codes::queryOf(query);
+  for (std::size_t i = 0; i < count; ++i) distances[i] = Codes::squared(q, codes + i * Codes::kBytes);
 }
 
 // A list's codes lie anywhere: asked for some rows ahead, they come while others are compared.
 template <typename Codes>
-inline __attribute__((always_inline)) void some(const std::int8_t* query, const std::uint8_t* codes,
+inline __attribute__((always_inline)) void some(const std::uint8_t* query, const std::uint8_t* codes,
                                                 const std::uint32_t* rows, std::size_t count,
                                                 std::uint32_t* distances) {
   constexpr std::size_t kAhead = 12;
+  const typename Codes::Query q = Codes::queryOf(query);
   for (std::size_t i = 0; i < count; ++i) {
     if (i + kAhead < count) __builtin_prefetch(codes + std::size_t{rows[i + kAhead]} * Codes::kBytes);
-    distances[i] = Codes::squared(query, codes + std::size_t{rows[i]} * Codes::kBytes);
+    distances[i] = Codes::squared(q, codes + std::size_t{rows[i]} * Codes::kBytes);
   }
 }
 
-const std::int8_t* signedBytes(const std::uint8_t* code) { return reinterpret_cast<const std::int8_t*>(code); }
-
-VOXID_VECTORISED void allPlain(const std::int8_t* q, const std::uint8_t* c, std::size_t n, std::uint32_t* out) {
+VOXID_VECTORISED void allPlain(const std::uint8_t* q, const std::uint8_t* c, std::size_t n, std::uint32_t* out) {
   all<PlainCodes>(q, c, n, out);
 }
-VOXID_VECTORISED void allPacked(const std::int8_t* q, const std::uint8_t* c, std::size_t n, std::uint32_t* out) {
+VOXID_VECTORISED void allPacked(const std::uint8_t* q, const std::uint8_t* c, std::size_t n, std::uint32_t* out) {
   all<PackedCodes>(q, c, n, out);
 }
-VOXID_VECTORISED void somePlain(const std::int8_t* q, const std::uint8_t* c, const std::uint32_t* rows, std::size_t n,
+VOXID_VECTORISED void somePlain(const std::uint8_t* q, const std::uint8_t* c, const std::uint32_t* rows, std::size_t n,
                                 std::uint32_t* out) {
   some<PlainCodes>(q, c, rows, n, out);
 }
-VOXID_VECTORISED void somePacked(const std::int8_t* q, const std::uint8_t* c, const std::uint32_t* rows, std::size_t n,
+VOXID_VECTORISED void somePacked(const std::uint8_t* q, const std::uint8_t* c, const std::uint32_t* rows, std::size_t n,
                                  std::uint32_t* out) {
   some<PackedCodes>(q, c, rows, n, out);
 }
@@ -82,18 +105,12 @@ std::uint32_t squaredDistance(const std::uint8_t* a, const std::uint8_t* b, std:
 
 void squaredDistances(const std::uint8_t* query, const std::uint8_t* codes, std::size_t count, std::size_t code_bytes,
                       std::uint32_t* distances) {
-  if (code_bytes == kPackedCodeBytes)
-    allPacked(numbersOf(query, code_bytes).data(), codes, count, distances);
-  else
-    allPlain(signedBytes(query), codes, count, distances);
+  (code_bytes == kPackedCodeBytes ? allPacked : allPlain)(query, codes, count, distances);
 }
 
 void squaredDistancesAt(const std::uint8_t* query, const std::uint8_t* codes, const std::uint32_t* rows,
                         std::size_t count, std::size_t code_bytes, std::uint32_t* distances) {
-  if (code_bytes == kPackedCodeBytes)
-    somePacked(numbersOf(query, code_bytes).data(), codes, rows, count, distances);
-  else
-    somePlain(signedBytes(query), codes, rows, count, distances);
+  (code_bytes == kPackedCodeBytes ? somePacked : somePlain)(query, codes, rows, count, distances);
 }
 
 }  // namespace voxid

@@ -15,8 +15,7 @@ void squaredDistances(const std::uint8_t* query, const std::uint8_t* codes, std:
 void squaredDistancesAt(const std::uint8_t* query, const std::uint8_t* codes, const std::uint32_t* rows,
                         std::size_t count, std::size_t code_bytes, std::uint32_t* distances);
 
-/// The two numbers of a packed byte.
-inline std::int8_t lowerNumber(std::uint8_t packed) { return static_cast<std::int8_t>(packed << 4); }
-inline std::int8_t upperNumber(std::uint8_t packed) { return static_cast<std::int8_t>(packed & 0xf0); }
+/// A packed number is so many steps, -7 to 7, and kept as 8 more.
+constexpr int kPackedStep = 16, kMostSteps = 7, kStepBias = 8;
 
 }  // namespace voxid

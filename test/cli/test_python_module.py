@@ -135,8 +135,7 @@ def test_a_packed_index_is_asked_with_packed_codes(models, image, tmp_path):
     opened = voxid_module.Index.open(str(tmp_path / "small.vxi"))
     code, codes = opened.describe(image, None, CAMERA), opened.codes
     assert code.dtype == codes.dtype == np.uint8 and code.shape == (32,) and codes.shape == (len(opened), 32)
-    nibbles = np.concatenate([code & 15, code >> 4]).astype(int)
-    numbers = 16 * np.where(nibbles < 8, nibbles, nibbles - 16)
+    numbers = 16 * (np.concatenate([code & 15, code >> 4]).astype(int) - 8)
     signs = [[(-1) ** bin(i & k).count("1") for k in range(64)] for i in range(64)]
     mixed = np.array(signs) @ voxid_module.describe(image, None, CAMERA) / 8
     assert np.abs(numbers - np.clip(mixed, -112, 112)).max() <= 8

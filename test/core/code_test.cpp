@@ -67,8 +67,8 @@ TEST(Code, IsPackedAsMixedNumbersInSixteenths) {
 }
 
 TEST(Code, APackedByteHoldsNumbersIAndIPlus32) {
-  Code small(kPackedCodeBytes);
-  small[0] = 0x91, small[31] = 0x7f;
+  Code small(kPackedCodeBytes, 0x88);
+  small[0] = 0x19, small[31] = 0xf7;
   const CodeNumbers numbers = numbersOf(small.data(), kPackedCodeBytes);
   EXPECT_EQ(numbers[0], 16);
   EXPECT_EQ(numbers[32], -112);
@@ -131,7 +131,7 @@ TEST(Code, DistancesAreThoseOfTheNumbersInEitherSize) {
 }
 
 TEST(Code, BytesThatNoPackingGivesAreHarmless) {
-  const Code least(kPackedCodeBytes, 0x88), most(kPackedCodeBytes, 0x77);
+  const Code least(kPackedCodeBytes, 0x00), most(kPackedCodeBytes, 0xff);
   EXPECT_EQ(squaredDistance(least.data(), most.data(), kPackedCodeBytes), 64u * 240 * 240);
   EXPECT_LE(64u * 240 * 240, kMostCodeDistance);
   const Code code = unpacked(least);

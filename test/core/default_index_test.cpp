@@ -55,7 +55,7 @@ Numbers slowNumbers(const std::uint8_t* code, bool packed) {
   Numbers numbers;
   for (std::size_t i = 0; i < kCodeNumbers; ++i) {
     const int byte = code[packed ? i % 32 : i], half = i < 32 ? byte % 16 : byte / 16;
-    numbers.push_back(packed ? 16 * (half < 8 ? half : half - 16) : static_cast<std::int8_t>(byte));
+    numbers.push_back(packed ? 16 * (half - 8) : static_cast<std::int8_t>(byte));
   }
   return numbers;
 }

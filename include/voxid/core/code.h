@@ -8,16 +8,16 @@
 namespace voxid {
 
 /// A code of profile "default" is 64 numbers, -127 to 127, of length kCodeLength, compared by their squared distance.
-/// It takes 64 bytes, a signed byte a number, or is packed into 32, four bits a number: a point less accurate
-/// (doc/benchmarks.md). What belongs to an index has the size of its codes, queries too.
+/// It takes 64 bytes, a signed byte a number, or is packed into 32, four bits a number, which names as much within a
+/// point (doc/benchmarks.md). What belongs to an index has the size of its codes, queries too.
 constexpr std::size_t kCodeNumbers = 64, kPackedCodeBytes = 32;
 constexpr int kCodeLength = 360;
 using CodeNumbers = std::array<std::int8_t, kCodeNumbers>;
 
 /// From 64 bytes to 32: the numbers are mixed by a Walsh-Hadamard matrix, which keeps distances and makes all of them
 /// vary as much, so that four bits do for each, and rounded to the nearest multiple of 16, halves away from zero, from
-/// -112 to 112. A packed byte holds number i in its lower half and number i + 32 in its upper one, in sixteenths, two's
-/// complement.
+/// -112 to 112. A packed byte holds number i in its lower half and number i + 32 in its upper one, in sixteenths, 8
+/// more than they are.
 void packCode(const std::uint8_t* code, std::uint8_t* packed);
 /// The way back, as far as rounding lets it.
 void unpackCode(const std::uint8_t* packed, std::uint8_t* code);
