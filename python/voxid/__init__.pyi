@@ -58,11 +58,11 @@ def build(models: Path, out: Path, *, part: Optional[Tuple[int, int]] = None, re
           jobs: Optional[int] = None, views_every: int = 1, keep_points: bool = False, descriptor: str = "default",
           projection: Optional[Path] = None, pairs: Optional[int] = None, code_bytes: Optional[int] = None,
           on_progress: Optional[Callable[[int, int, int], None]] = None) -> BuildReport:
-    """What `voxid build` does, with its options (`code_bytes`: --bytes); the index has the same bytes. `part=(k, n)`: every
-    n-th model from number k on, which is left in OUT.parts; `resume=True` takes what is there and writes the index. `jobs`: processes,
-    by default as many as processors. `on_progress(done, models, views)` is called some ten times a second; what it
-    raises, and Ctrl-C while models are drawn, ends the build, which `resume` continues. The processes are forked: no
-    other thread may be in a function of this module meanwhile."""
+    """What `voxid build` does, with its options (`code_bytes`: --bytes); the index has the same bytes. `part=(k, n)`:
+    every n-th model from number k on, which is left in OUT.parts; `resume=True` takes what is there and writes the
+    index. `jobs`: processes, by default as many as processors. `on_progress(done, models, views)` is called some ten
+    times a second; what it raises, and Ctrl-C while models are drawn, ends the build, which `resume` continues. The
+    processes are forked: no other thread may be in a function of this module meanwhile."""
 def merge(indices: Sequence[Path], out: Path, *, replace: bool = False) -> None:
     """Writes what all the indices hold to `out`, which may be one of them, as `voxid merge` does. A model that two of
     them have is refused, or with `replace` taken from the later one."""
