@@ -28,7 +28,8 @@ constexpr std::size_t kTouchGap_px = 4;
 constexpr int kRimsWithin_mm = 8;
 constexpr std::int64_t kWidestVessel_um = 400000;
 constexpr std::int64_t kFewestSagitta_um = 8000;
-constexpr int kWallRowStep = 3;  // of a wall's rows every third shows its shape as well
+
+constexpr int kRowStep = 3;  // of a part's rows every third shows its top and its shape as well
 
 constexpr int kTopPercentile = 97;
 constexpr int kHighest_mm = 2000;
@@ -50,6 +51,15 @@ int gapStep(int width_px) { return std::max(1, width_px / 160); }
 
 SearchEnd endOfSearch(int own, std::int32_t own_um, std::int32_t least) {
   return {own, inverseOf(own_um + kDepthsWithin_um), inverseOf(own_um - kDepthsWithin_um), least};
+}
+
+/// visit(run) for the runs in every kRowStep-th of a part's rows.
+template <typename Visit>
+void visitRows(const Surface& surface, Span<const Run> runs, Visit visit) {
+  const int first_row = surface.row(runs[0].begin);
+  for (const Run& run : runs) {
+    if ((surface.row(run.begin) - first_row) % kRowStep == 0) visit(run);
+  }
 }
 
 VOXID_VECTORISED std::uint32_t countBelow(std::int32_t limit, const std::int32_t* values, std::size_t count) {
@@ -301,12 +311,8 @@ bool Joiner::wallsOfVessel(int a, int b, const Surface& surface, const Component
 /// A vessel's far wall, seen from inside, is hollow towards the viewer, its near wall bulges.
 bool Joiner::farAndNearWall(const Piece& far, const Piece& near, const Surface& surface, const Components& components) {
   const auto place = [&](const Piece& piece) {
-    const Span<const Run> runs = components.runsOf(piece.part);
-    const int first_row = surface.row(runs[0].begin);
     placed_.clear(components.pixelsIn(piece.part));
-    for (const Run& run : runs) {
-      if ((surface.row(run.begin) - first_row) % kWallRowStep == 0) surface.place(run, placed_);
-    }
+    visitRows(surface, components.runsOf(piece.part), [&](const Run& run) { surface.place(run, placed_); });
   };
   place(far);
   const ViewerAxes axes = axesTowards(placed_);
@@ -327,7 +333,10 @@ int Joiner::topOf(Piece& piece, const Surface& surface, const Components& compon
   if (piece.top_mm >= 0) return piece.top_mm;
   heights_um_.resize(std::max(heights_um_.size(), components.pixelsIn(piece.part)));
   std::int32_t* end = heights_um_.data();
-  for (const Run& run : components.runsOf(piece.part)) end = surface.heights(run, end);
+  visitRows(surface, components.runsOf(piece.part), [&](const Run& run) {
+    surface.heights(run, end);
+    end += run.size();
+  });
   const auto samples = static_cast<std::size_t>(end - heights_um_.data());
   int low_mm = 0, high_mm = kHighest_mm;
   while (low_mm < high_mm) {

@@ -71,7 +71,7 @@ class Joiner {
   std::vector<Piece> pieces_;        // the first is no piece
   std::vector<std::uint8_t> piece_;  // by pixel
   std::vector<Lines> lines_;
-  std::vector<std::int32_t> heights_um_;  // of every fourth of one piece's pixels
+  std::vector<std::int32_t> heights_um_;  // of one piece's pixels
   PlacedPoints placed_;                   // of one piece
 };
 

@@ -73,12 +73,11 @@ VOXID_VECTORISED void placeRun(const std::int32_t* inverse, const PlaceTerms& te
   }
 }
 
-/// Of every fourth pixel.
 VOXID_VECTORISED void heightsOfRun(const std::int32_t* inverse, const float* columns, float row, float distance_um,
                                    int count, std::int32_t* height_um) {
   for (int i = 0; i < count; ++i) {
-    const float depth_um = static_cast<float>(kUnitsTimesUm) / static_cast<float>(inverse[4 * i]);
-    height_um[i] = static_cast<std::int32_t>(depth_um * (columns[4 * i] + row) + distance_um);
+    const float depth_um = static_cast<float>(kUnitsTimesUm) / static_cast<float>(inverse[i]);
+    height_um[i] = static_cast<std::int32_t>(depth_um * (columns[i] + row) + distance_um);
   }
 }
 
@@ -176,11 +175,8 @@ void PlanRays::place(const std::int32_t* inverse, int u, int v, int count, Place
   placed.count += static_cast<std::size_t>(count);
 }
 
-std::int32_t* PlanRays::heights(const std::int32_t* inverse, int u, int v, int count, std::int32_t* heights_um) const {
-  const int first = std::min(count, 4) / 2, samples = (count - first + 3) / 4;
-  heightsOfRun(inverse + first, columns_[2].data() + u + first, rows_[2][static_cast<std::size_t>(v)], distance_um_,
-               samples, heights_um);
-  return heights_um + samples;
+void PlanRays::heights(const std::int32_t* inverse, int u, int v, int count, std::int32_t* heights_um) const {
+  heightsOfRun(inverse, columns_[2].data() + u, rows_[2][static_cast<std::size_t>(v)], distance_um_, count, heights_um);
 }
 
 void Outline::reserve(int height_px) {

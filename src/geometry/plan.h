@@ -76,8 +76,8 @@ class PlanRays {
   void fill(const Rays& rays, const Plan& plan);
   /// Appends the pixels (u, v) to (u + count - 1, v), which must have depth; there must be room.
   void place(const std::int32_t* inverse, int u, int v, int count, PlacedPoints& placed) const;
-  /// Lists heights above the table, micrometres, of every fourth of them and of one at least; returns the list's end.
-  std::int32_t* heights(const std::int32_t* inverse, int u, int v, int count, std::int32_t* heights_um) const;
+  /// Their heights above the table, micrometres, only.
+  void heights(const std::int32_t* inverse, int u, int v, int count, std::int32_t* heights_um) const;
 
  private:
   std::vector<float> columns_[3], rows_[3];

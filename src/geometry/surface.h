@@ -36,10 +36,10 @@ struct Surface {
     plan_rays.place(inverse.row(v) + u, u, v, static_cast<int>(run.end - run.begin), placed);
   }
 
-  /// Lists heights above the table, micrometres, of every fourth of a run's pixels; returns the end of the list.
-  std::int32_t* heights(Run run, std::int32_t* heights_um) const {
+  /// Their heights above the table, micrometres.
+  void heights(Run run, std::int32_t* heights_um) const {
     const int v = row(run.begin), u = static_cast<int>(run.begin) - v * inverse.width_px;
-    return plan_rays.heights(inverse.row(v) + u, u, v, static_cast<int>(run.end - run.begin), heights_um);
+    plan_rays.heights(inverse.row(v) + u, u, v, static_cast<int>(run.end - run.begin), heights_um);
   }
 };
 

@@ -72,6 +72,9 @@ TEST(PlanRays, PlacesAsThePlanDoes) {
     plan_rays.place(inverse.data() + 16, 16, v, 60, placed);
     plan_rays.place(inverse.data() + 76, 76, v, 4, placed);  // goes on behind them
     ASSERT_EQ(placed.count, 64u);
+    std::vector<std::int32_t> heights_um(64);
+    plan_rays.heights(inverse.data() + 16, 16, v, 64, heights_um.data());
+    EXPECT_EQ(heights_um, placed.height_um);
     for (int i = 0; i < 64; ++i) {
       const auto at = static_cast<std::size_t>(i);
       const PointUm p = rays.point(16 + i, v, depthUmOf(inverse[0]));
@@ -80,34 +83,6 @@ TEST(PlanRays, PlacesAsThePlanDoes) {
       EXPECT_NEAR(placed.height_um[at], plan.heightUm(p), 4);
     }
   }
-}
-
-TEST(PlanRays, ListsTheHeightOfEveryFourthPixelAndOfOneAtLeast) {
-  const Camera camera = Camera::fromPixels(500, 490, 40, 30);
-  Rays rays;
-  rays.fill(camera, 80, 60);
-  Plan plan;
-  plan.set({Eigen::Vector3d(0, -0.6, -0.8), 0.5});
-  PlanRays plan_rays;
-  plan_rays.fill(rays, plan);
-  std::vector<std::int32_t> inverse;
-  for (int u = 0; u < 80; ++u) inverse.push_back(static_cast<std::int32_t>(kUnitsTimesUm / (700000 - 1000 * u)));
-  const auto heightsOf = [&](int count) {
-    std::vector<std::int32_t> heights_um(64);
-    heights_um.resize(static_cast<std::size_t>(
-        plan_rays.heights(inverse.data() + 16, 16, 40, count, heights_um.data()) - heights_um.data()));
-    return heights_um;
-  };
-  PlacedPoints placed;
-  placed.clear(64);
-  plan_rays.place(inverse.data() + 16, 16, 40, 64, placed);
-  const auto at = [&](std::size_t i) { return placed.height_um[i]; };
-  EXPECT_EQ(heightsOf(1), std::vector<std::int32_t>({at(0)}));
-  EXPECT_EQ(heightsOf(2), std::vector<std::int32_t>({at(1)}));
-  EXPECT_EQ(heightsOf(6), std::vector<std::int32_t>({at(2)}));
-  EXPECT_EQ(heightsOf(7), std::vector<std::int32_t>({at(2), at(6)}));
-  ASSERT_EQ(heightsOf(64).size(), 16u);
-  for (std::size_t i = 0; i < 16; ++i) EXPECT_EQ(heightsOf(64)[i], at(4 * i + 2)) << i;
 }
 
 /// Heights from `distance_m` over pixels with the inverse depths of a table at 250,000 units.
