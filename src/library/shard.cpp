@@ -57,7 +57,7 @@ class Reader {
     const std::size_t size = number<std::uint32_t>();
     if (size > end_ - at_) failed_ = true;
     Bytes data;
-    if (failed_) return data;
+    if (failed_ || size == 0) return data;
     data.resize(size);
     bytes(&data[0], size);
     return data;
