@@ -21,6 +21,7 @@ namespace voxid {
 namespace {
 
 using test::eventually;
+using test::labelled;
 using test::Listener;
 using test::TableScene;
 
@@ -87,12 +88,6 @@ class Aligned : public test::Chain {
 
   const std::filesystem::path models_;
 };
-
-const Object* labelled(const Objects& objects, const std::string& label) {
-  for (const Object& object : objects.objects)
-    if (object.label == label) return &object;
-  return nullptr;
-}
 
 bool isAligned(const Objects& objects, const std::string& label) {
   const Object* const object = labelled(objects, label);

@@ -37,6 +37,13 @@ inline void reconfigure(const std::string& nodelet, const std::string& name, boo
   ASSERT_TRUE(ros::service::call(nodelet + "/set_parameters", change)) << name;
 }
 
+/// The first object with a label; null if there is none.
+inline const Object* labelled(const Objects& objects, const std::string& label) {
+  for (const Object& object : objects.objects)
+    if (object.label == label) return &object;
+  return nullptr;
+}
+
 /// Segmentation, classification and overlay in a namespace of the test's own, and a camera that shows what it is told
 /// to.
 class Chain : public testing::Test {
