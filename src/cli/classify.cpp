@@ -6,13 +6,14 @@
 #include <iostream>
 #include <memory>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 
 #include "command.h"
 #include "depth_file.h"
 #include "evidence.h"
 #include "recogniser.h"
 #include "scene_json.h"
-#include "settings.h"
+#include "segment_choice.h"
 #include "voxid/core/coarse.h"
 #include "voxid/geometry/segmenter.h"
 
@@ -26,7 +27,7 @@ struct Options {
   SearchChoice search;
   EvidenceChoice evidence;
   std::string models, categories;
-  std::vector<std::string> settings;  ///< name=value
+  SegmentChoice segment;
   bool scene = false, align = false, json = false, vote = false, one_nn = false;
   double min_score = ClassifyParams{}.min_score_permille / 1000.0;
   std::string plot, labels;
@@ -44,6 +45,7 @@ struct Session {
   EvidenceRecogniser recogniser;
   Segmenter segmenter;
   SegmentParams params;
+  std::optional<Eigen::Vector3f> up;
 };
 
 /// What is said about one object.
@@ -186,7 +188,7 @@ Status writePictures(const Session& session, const DepthFile& file, const Scene&
 
 /// The frame shows a table with objects.
 Result<SceneStatus> classifyScene(Session& session, const DepthFile& file) {
-  const Scene& scene = session.segmenter.segment(file.view(), session.params);
+  const Scene& scene = session.segmenter.segment(file.view(), session.params, session.up);
   std::vector<Named> named;
   const SupportPlane table{scene.table.normal, 1000 * scene.table.distance_m};
   for (const Cluster& cluster : scene.clusters) {
@@ -224,15 +226,16 @@ Status classifyFiles(Session& session) {
 }
 
 Status run(const Options& options) {
-  if (!options.scene && !(options.labels.empty() && options.settings.empty())) {
-    return Status::badUse("classify: --labels and --set are for whole scenes; add --scene");
+  if (!options.scene && !(options.labels.empty() && options.segment.empty())) {
+    return Status::badUse("classify: --labels, --set and --up are for whole scenes; add --scene");
   }
   if (options.evidence.align() && (options.vote || options.one_nn))
     return Status::badUse("classify: --vote and --1nn are ways of counting codes; --evidence align has its own");
   if (const Status fits = options.evidence.check(); !fits.ok()) return fits;
-  SegmentParams params;
-  const Status set = applySettings(options.settings, params);
-  if (!set.ok()) return set;
+  const auto params = options.segment.params();
+  if (!params.ok()) return params.status;
+  const auto up = options.segment.up();
+  if (!up.ok()) return up.status;
   const auto index = Index::open(options.index);
   if (!index.ok()) return index.status;
   if (const Status fits = options.search.check(*index.value); !fits.ok()) return fits;
@@ -241,7 +244,7 @@ Status run(const Options& options) {
     if (const Status known = checkSurfaces(option, *index.value, options.models); !known.ok()) return known;
   }
   Session session{options, EvidenceRecogniser(index.value, options.search, options.evidence, options.models),
-                  Segmenter(), params};
+                  Segmenter(), params.value, up.value};
   if (!options.categories.empty()) {
     auto allowed = readAllowedCategories(options.categories, *index.value);
     if (!allowed.ok()) return allowed.status;
@@ -274,10 +277,7 @@ Run addClassify(CLI::App& app) {
   app.add_option("--min-score", options->min_score,
                  "Below this score (0 to 1) the label is left empty; alternatives stay")
       ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--set", options->settings,
-                 "With --scene: a parameter of the segmentation, name=value; may be repeated")
-      ->type_name("NAME=VALUE")
-      ->allow_extra_args(false);
+  options->segment.addTo(app, "With --scene: ");
   app.add_option("--labels", options->labels,
                  "With --scene: write each frame's objects to DIR/STEM.png, 16 bit, object id a pixel")
       ->type_name("DIR");

@@ -3,7 +3,6 @@
 #include "voxid/geometry/segmenter.h"
 
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <memory>
@@ -13,7 +12,7 @@
 #include "depth_file.h"
 #include "evaluate_segmentation.h"
 #include "scene_json.h"
-#include "settings.h"
+#include "segment_choice.h"
 
 namespace voxid::cli {
 namespace {
@@ -21,8 +20,8 @@ namespace {
 struct Options {
   std::vector<std::string> files;
   CameraChoice camera;
-  std::vector<std::string> settings;  ///< name=value
-  std::string up, labels, plot, evaluate;
+  SegmentChoice segment;
+  std::string labels, plot, evaluate;
   bool json = false, timing = false;
 };
 
@@ -64,20 +63,6 @@ Status writePictures(const Options& options, const DepthFile& file, const Scene&
   return writeImage(plotPath(options.plot, file.path, options.files.size() == 1), picture);
 }
 
-/// None if it is not given.
-Result<std::optional<Eigen::Vector3f>> upOf(const Options& options) {
-  if (options.up.empty()) return std::optional<Eigen::Vector3f>{};
-  Eigen::Vector3f up(0, 0, 0);
-  char rest = 0;
-  const int read = std::sscanf(options.up.c_str(), "%f,%f,%f%c", &up.x(), &up.y(), &up.z(), &rest);
-  const float length = up.norm();
-  if (read != 3 || !std::isfinite(length) || length == 0) {
-    return Status::badUse("--up " + options.up +
-                          ": expected X,Y,Z, a direction in the camera's frame (x right, y down, z forward)");
-  }
-  return std::optional<Eigen::Vector3f>{up / length};
-}
-
 Result<SceneStatus> segmentFile(const Options& options, const std::string& path, const SegmentParams& params,
                                 const std::optional<Eigen::Vector3f>& up, Segmenter& segmenter) {
   const Result<DepthFile> file = readDepthFile(path, options.camera);
@@ -92,7 +77,7 @@ Result<SceneStatus> segmentFile(const Options& options, const std::string& path,
 }
 
 Status segmentFiles(const Options& options, const SegmentParams& params) {
-  const Result<std::optional<Eigen::Vector3f>> up = upOf(options);
+  const auto up = options.segment.up();
   if (!up.ok()) return up.status;
   Segmenter segmenter;
   std::vector<SceneStatus> statuses;
@@ -113,13 +98,12 @@ Status evaluate(const Options& options, const SegmentParams& params) {
 }
 
 Status run(const Options& options) {
-  SegmentParams params;
-  const Status set = applySettings(options.settings, params);
-  if (!set.ok()) return set;
-  if (!options.evaluate.empty()) return evaluate(options, params);
+  const auto params = options.segment.params();
+  if (!params.ok()) return params.status;
+  if (!options.evaluate.empty()) return evaluate(options, params.value);
   if (options.files.empty())
     return Status::badUse("segment: no depth image given; expected FILES or --evaluate DIR, see --help");
-  return segmentFiles(options, params);
+  return segmentFiles(options, params.value);
 }
 
 }  // namespace
@@ -128,12 +112,7 @@ Run addSegment(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   app.add_option("files", options->files, "Depth images")->type_name("FILES");
   options->camera.addTo(app);
-  app.add_option("--set", options->settings, "A parameter, name=value (doc/parameters.md); may be repeated")
-      ->type_name("NAME=VALUE")
-      ->allow_extra_args(false);
-  app.add_option("--up", options->up,
-                 "Direction away from the ground in the camera's frame: x right, y down, z forward")
-      ->type_name("X,Y,Z");
+  options->segment.addTo(app, "");
   app.add_flag("--json", options->json, "One object a frame and line");
   app.add_flag("--timing", options->timing, "Add segment_ms; with --evaluate the processor time of 20 runs a scene");
   app.add_option("--labels", options->labels,

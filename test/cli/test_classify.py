@@ -181,3 +181,11 @@ def test_settings_reach_the_segmentation(voxid, index, scene):
     answer.refuses(2, "max_depth_mm", "300 to 10000")
     voxid("classify", scene, "--scene", "--index", index, "--set", "no_such=1").refuses(2, "no_such", "min_depth_mm")
     voxid("classify", scene, "--index", index, "--set", "max_depth_mm=900").refuses(2, "--scene")
+
+
+def test_up_reaches_the_segmentation(voxid, index, depth_file):
+    flat = depth_file("flat.png", np.full((480, 640), 1000, np.uint16))
+    voxid("classify", flat, "--scene", "--index", index, "--up", "0,0,-1").refuses(3, "EMPTY_TABLE")
+    voxid("classify", flat, "--scene", "--index", index, "--up", "0,-1,0").refuses(3, "NO_TABLE")
+    voxid("classify", flat, "--scene", "--index", index, "--up", "up").refuses(2, "X,Y,Z")
+    voxid("classify", flat, "--index", index, "--up", "0,0,-1").refuses(2, "--scene")
