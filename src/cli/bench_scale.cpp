@@ -21,7 +21,7 @@ namespace {
 
 using Codes = std::vector<std::vector<std::uint8_t>>;
 
-constexpr int kListSettings[] = {4, 8, 16, 32, 64, 128};
+constexpr int kListSettings[] = {4, 8, 16, 32, 64, 128, 256, 512};
 constexpr std::size_t kExactQueries = 100, kColdQueries = 20;
 
 /// As a clock on the wall has it: waiting for the disk counts.
