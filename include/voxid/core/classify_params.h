@@ -6,12 +6,12 @@ namespace voxid {
 
 /// How objects are named.
 struct ClassifyParams {
-  /// Compare with every view instead of the nearest buckets or lists only. In an index of descriptor default some eight times the time of 64 lists at 240,000 views, too long for ten objects 30 times a second.
+  /// Compare with every view instead of the nearest buckets or lists only. In an index of descriptor default some thirteen times the time of 32 lists at 240,000 views, too long for ten objects 30 times a second.
   bool exact = false;
   /// Hamming radius of the paper's bucket search (Sec. IV.B: 4), in an index of descriptor paper; larger finds more and costs more. -1: no buckets but exact search, which the sketches of an index of 1,024 views or more make twice as fast as radius 4. [-1 to 52]
   int radius_bits = -1;
   /// Nearest lists that are compared, in an index of descriptor default. More find more and cost more. [1 to 65536]
-  int lists = 64;
+  int lists = 32;
   /// Let the models of the 64 nearest views vote instead of taking the nearest view alone.
   bool vote = true;
   /// So many threads share the objects of a frame. The answer is the same with any number; more than the processor has cores cost time. [1 to 16]
