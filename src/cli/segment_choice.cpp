@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "segment_choice.h"
 
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 
@@ -9,12 +10,16 @@
 namespace voxid::cli {
 
 void SegmentChoice::addTo(CLI::App& app, const std::string& condition) {
+  const auto help = [&](std::string text) {
+    if (!condition.empty()) text[0] = static_cast<char>(std::tolower(text[0]));
+    return condition + text;
+  };
   app.add_option("--set", settings,
-                 condition + "A parameter of the segmentation, name=value (doc/parameters.md); may be repeated")
+                 help("A parameter of the segmentation, name=value (doc/parameters.md); may be repeated"))
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
   app.add_option("--up", up_text,
-                 condition + "Direction away from the ground in the camera's frame: x right, y down, z forward")
+                 help("Direction away from the ground in the camera's frame: x right, y down, z forward"))
       ->type_name("X,Y,Z");
 }
 
