@@ -45,7 +45,7 @@ struct Session {
   EvidenceRecogniser recogniser;
   Segmenter segmenter;
   SegmentParams params;
-  std::optional<Eigen::Vector3f> up;
+  std::optional<Eigen::Vector3f> up;  ///< as SegmentChoice has it
 };
 
 /// What is said about one object.

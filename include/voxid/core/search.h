@@ -59,17 +59,17 @@ constexpr int kPaperRadiusBits = 4;  ///< the paper's k (Sec. IV.B)
 std::unique_ptr<Search> makeLshSearch(std::shared_ptr<const Index> index, int radius_bits);
 
 /// The learnt hash of profile "default": the `lists` lists whose centroids lie nearest the query are compared in full
-/// (of a scope as many more as it has fewer views, so that as many views are compared), more of them, twice as many each
-/// time, until five categories are met (or everything was compared). Of the categories those are given that the nearest
-/// views belong to, kCategoryPool at least, or as many more as it takes to meet five. The recall of a number of lists:
-/// doc/benchmarks.md.
+/// (of a scope as many more as it has fewer views, so that as many views are compared), more of them, twice as many
+/// each time, until five categories are met (or everything was compared). Of the categories those are given that the
+/// nearest views belong to, kCategoryPool at least, or as many more as it takes to meet five. The recall of a number of
+/// lists: doc/benchmarks.md.
 std::unique_ptr<Search> makeListSearch(std::shared_ptr<const Index> index, int lists);
 
 /// Exact (of "paper" by sketches, where the index has them: sketch.h), or the hash search of the index's profile.
 struct SearchParams {
   bool exact = true;
   int radius_bits = kPaperRadiusBits;  ///< "paper": 0 to 52, clamped; below 0: exact
-  int lists = 32;                      ///< "default": 1 to 65,536, clamped
+  int lists = ClassifyParams{}.lists;  ///< "default": 1 to 65,536, clamped
 };
 inline bool operator==(const SearchParams& a, const SearchParams& b) {
   return a.exact == b.exact && a.radius_bits == b.radius_bits && a.lists == b.lists;
