@@ -9,6 +9,7 @@
 namespace voxid {
 
 constexpr std::size_t kFlagsAtOnce = sizeof(std::uint64_t);
+constexpr std::uint64_t kEachByte = 0x0101010101010101;
 
 /// The first byte in the lowest bits: every platform is little-endian.
 inline std::uint64_t eightAt(const std::uint8_t* first) {
@@ -16,6 +17,9 @@ inline std::uint64_t eightAt(const std::uint8_t* first) {
   std::memcpy(&eight, first, sizeof eight);
   return eight;
 }
+
+/// Whether all eight bytes have these bits.
+inline bool allHave(std::uint8_t bits, std::uint64_t eight) { return (~eight & bits * kEachByte) == 0; }
 
 /// Which of eight bytes is the first that is not 0; one must be.
 inline std::size_t firstSet(std::uint64_t eight) { return static_cast<std::size_t>(__builtin_ctzll(eight)) / 8; }
@@ -37,7 +41,7 @@ constexpr std::uint8_t kLinked = 2;
 
 /// The first index from i on at which there is another byte; there must be one.
 inline std::size_t endOf(std::uint8_t byte, const std::uint8_t* bytes, std::size_t i) {
-  const std::uint64_t eight = byte * std::uint64_t{0x0101010101010101};
+  const std::uint64_t eight = byte * kEachByte;
   for (;; i += kFlagsAtOnce) {
     const std::uint64_t other = eightAt(bytes + i) ^ eight;
     if (other != 0) return i + firstSet(other);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <numeric>
 
 #include "../core/vectorised.h"
@@ -46,15 +47,44 @@ VOXID_VECTORISED void markLinks(const std::int32_t* inverse, std::ptrdiff_t back
   for (std::ptrdiff_t i = 0; i < count; ++i) linked[i] = limit.within(inverse[i - back], inverse[i]);
 }
 
-/// How many links in a row lead back from a cell and how many lead on, kArm at most.
-VOXID_VECTORISED void countLinks(const std::uint8_t* linked, std::ptrdiff_t stride, std::ptrdiff_t count,
-                                 std::uint8_t* back, std::uint8_t* on) {
-  static_assert(kArm == 3);
+/// Normals and creases are sought in blocks of known length. The last of a row or part reaches beyond its end.
+constexpr int kBlock = kFlagsAtOnce;
+
+/// Links in a row that lead away from a cell, kArm at most in each direction.
+struct Arms {
+  int left, right, up, down;
+};
+
+static_assert(kArm == 3);  // two bits hold an arm
+
+/// Arms of a block.
+struct AnyArms {
+  explicit AnyArms(const std::uint8_t* block) {
+    for (int i = 0; i < kBlock; ++i) packed[i] = block[i];
+  }
+  Arms operator[](int i) const {
+    const int arms = packed[i];
+    return {arms & 3, (arms >> 2) & 3, (arms >> 4) & 3, arms >> 6};
+  }
+  std::int32_t packed[kBlock];
+};
+
+/// Of cells in the midst of a surface: as long as they are looked at.
+template <int kLength>
+struct FullArms {
+  Arms operator[](int) const { return {kLength, kLength, kLength, kLength}; }
+};
+
+VOXID_VECTORISED void measureArms(const std::uint8_t* linked_left, const std::uint8_t* linked_up,
+                                  std::ptrdiff_t columns, std::ptrdiff_t count, std::uint8_t* arms) {
 #pragma GCC ivdep
   for (std::ptrdiff_t i = 0; i < count; ++i) {
-    const std::uint8_t *b = linked + i, *o = linked + i + stride;
-    back[i] = static_cast<std::uint8_t>(b[0] + (b[0] & b[-stride]) + (b[0] & b[-stride] & b[-2 * stride]));
-    on[i] = static_cast<std::uint8_t>(o[0] + (o[0] & o[stride]) + (o[0] & o[stride] & o[2 * stride]));
+    const auto lead = [](const std::uint8_t* linked, std::ptrdiff_t stride) {
+      return linked[0] + (linked[0] & linked[stride]) + (linked[0] & linked[stride] & linked[2 * stride]);
+    };
+    const int across = lead(linked_left + i, -1) | lead(linked_left + i + 1, 1) << 2;
+    const int along = lead(linked_up + i, -columns) | lead(linked_up + i + columns, columns) << 2;
+    arms[i] = static_cast<std::uint8_t>(across | along << 4);
   }
 }
 
@@ -82,10 +112,6 @@ inline std::int32_t pick(const std::int32_t* at, int k, std::ptrdiff_t stride) {
 /// The same up to the second; a larger k is taken for 2.
 inline float pickNear(const float* at, int k, std::ptrdiff_t stride) {
   return choose(k == 0, at[0], choose(k == 1, at[stride], at[2 * stride]));
-}
-
-VOXID_VECTORISED void orInto(const std::uint8_t* from, std::ptrdiff_t count, std::uint8_t* to) {
-  for (std::ptrdiff_t i = 0; i < count; ++i) to[i] = static_cast<std::uint8_t>(to[i] | from[i]);
 }
 
 /// 0: no depth, or a crease; else 1, and kLinked if it hangs together with the cell to its left.
@@ -130,77 +156,90 @@ VOXID_VECTORISED void markInner(const std::uint8_t* piece, std::ptrdiff_t column
   }
 }
 
-/// How many links in a row lead away from the cells in each direction.
-struct CellLinks {
-  const std::uint8_t *left, *right, *up, *down;
-};
-
 /// Camera of the cells.
 struct CellCamera {
   float fx, fy, cx, cy;
 };
 
-/// In inverse depth a plane is affine in the pixel, and its two slopes and its value give its normal. Cells of a row.
-inline void orientBlock(const std::int32_t* inverse, std::ptrdiff_t columns, const CellLinks& links,
-                        const CellCamera& camera, int first_u, int v, int first, int count,
-                        const Splitter::Normals& normals) {
+/// In inverse depth a plane is affine in the pixel, and its two slopes and its value give its normal. A block of a row.
+template <typename ArmsOfCells>
+inline __attribute__((always_inline)) void orientBlock(const std::int32_t* inverse, std::ptrdiff_t columns,
+                                                       const CellCamera& camera, int first_u, int v,
+                                                       const Splitter::Normals& normals, const ArmsOfCells& arms_of) {
+  constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
   const Splitter::Normals n = normals;
-  const CellLinks l = links;
   const CellCamera c = camera;
   const float y = static_cast<float>(v) - c.cy;
 #pragma GCC ivdep
-  for (int i = first; i < first + count; ++i) {
+  for (int i = 0; i < kBlock; ++i) {
     const std::int32_t* const cell = inverse + i;
-    const int across = l.left[i] + l.right[i], along = l.up[i] + l.down[i];
+    const Arms arms = arms_of[i];
+    const int across = arms.left + arms.right, along = arms.up + arms.down;
     const float slope_u =
-        static_cast<float>(pick(cell, l.right[i], 1) - pick(cell, l.left[i], -1)) / static_cast<float>(across);
+        static_cast<float>(pick(cell, arms.right, 1) - pick(cell, arms.left, -1)) / static_cast<float>(across);
     const float slope_v =
-        static_cast<float>(pick(cell, l.down[i], columns) - pick(cell, l.up[i], -columns)) / static_cast<float>(along);
+        static_cast<float>(pick(cell, arms.down, columns) - pick(cell, arms.up, -columns)) / static_cast<float>(along);
     const float normal_x = slope_u * c.fx, normal_y = slope_v * c.fy;
     const float normal_z = static_cast<float>(*cell) - slope_u * (static_cast<float>(first_u + i) - c.cx) - slope_v * y;
     const float square = normal_x * normal_x + normal_y * normal_y + normal_z * normal_z;
-    n.slope_u[i] = slope_u;
-    n.slope_v[i] = slope_v;
     n.x[i] = normal_x;
     n.y[i] = normal_y;
     n.z[i] = normal_z;
-    n.square[i] = (across < 2) | (along < 2) ? 0 : square;
+    n.square[i] = choose((across < 2) | (along < 2), kUnknown, square);
   }
 }
 
-/// A row of cells, in blocks of known length; the last begins early enough to be as long as the others.
-VOXID_VECTORISED void orientRow(const std::int32_t* inverse, std::ptrdiff_t columns, const CellLinks& links,
-                                const CellCamera& camera, int first_u, int v, int count,
-                                const Splitter::Normals& normals) {
-  constexpr int kBlock = 16;
-  if (count < kBlock) return orientBlock(inverse, columns, links, camera, first_u, v, 0, count, normals);
-  for (int first = 0; first < count; first += kBlock)
-    orientBlock(inverse, columns, links, camera, first_u, v, std::min(first, count - kBlock), kBlock, normals);
+VOXID_VECTORISED void orientRow(const std::int32_t* inverse, const std::uint8_t* arms, std::ptrdiff_t columns,
+                                const CellCamera& camera, int first_u, int v, const Splitter::Normals& normals) {
+  for (int first = 0; first < columns; first += kBlock) {
+    const std::uint8_t* const block = arms + first;
+    if (eightAt(block) == 0) continue;
+    if (allHave(0xff, eightAt(block)))
+      orientBlock(inverse + first, columns, camera, first_u + first, v, normals.from(first), FullArms<kArm>{});
+    else
+      orientBlock(inverse + first, columns, camera, first_u + first, v, normals.from(first), AnyArms{block});
+  }
 }
 
-/// How many links in a row lead back and on along a row or a column.
-struct BothWays {
-  const std::uint8_t *back, *on;
-};
+/// Whether the surface turns towards the viewer by more than the angle, from `back` cells before one to `on` cells
+/// after it, at most kAcross. `slopes` ascend with those of the inverse depth in that direction.
+inline __attribute__((always_inline)) bool turns(const Splitter::Normals& n, const float* slopes, int back, int on,
+                                                 std::ptrdiff_t stride, float square_cosine) {
+  const float square_p = pickNear(n.square, back, -stride), square_q = pickNear(n.square, on, stride);
+  const float dot = pickNear(n.x, back, -stride) * pickNear(n.x, on, stride) +
+                    pickNear(n.y, back, -stride) * pickNear(n.y, on, stride) +
+                    pickNear(n.z, back, -stride) * pickNear(n.z, on, stride);
+  const bool towards = pickNear(slopes, on, stride) > pickNear(slopes, back, -stride);
+  const bool enough = std::min(back, kAcross) + std::min(on, kAcross) >= kAcross;
+  return enough & towards & (dot * std::abs(dot) < square_cosine * square_p * square_q);  // false if one is unknown
+}
 
-/// 1 where the surface turns towards the viewer by more than the angle, from kAcross cells before to kAcross after, or
-/// as far as there are links.
-VOXID_VECTORISED void markBends(const Splitter::Normals& normals, const float* slopes, const BothWays& links,
-                                std::ptrdiff_t stride, std::ptrdiff_t count, float square_cosine, std::uint8_t* bends) {
+template <typename ArmsOfCells>
+inline __attribute__((always_inline)) void markBendsInBlock(const Splitter::Normals& normals, std::ptrdiff_t columns,
+                                                            float square_cosine, const ArmsOfCells& arms_of,
+                                                            std::uint8_t* crease) {
   static_assert(kAcross == 2);
   const Splitter::Normals n = normals;
-  const BothWays l = links;
-#pragma GCC ivdep
-  for (std::ptrdiff_t i = 0; i < count; ++i) {
-    const int b = l.back[i], o = l.on[i];
-    const float square_p = pickNear(n.square + i, b, -stride), square_q = pickNear(n.square + i, o, stride);
-    const float dot = pickNear(n.x + i, b, -stride) * pickNear(n.x + i, o, stride) +
-                      pickNear(n.y + i, b, -stride) * pickNear(n.y + i, o, stride) +
-                      pickNear(n.z + i, b, -stride) * pickNear(n.z + i, o, stride);
-    const bool enough = std::min(b, kAcross) + std::min(o, kAcross) >= kAcross;
-    const bool towards = pickNear(slopes + i, o, stride) > pickNear(slopes + i, b, -stride);
-    const bool turns = (dot <= 0) | (dot * dot < square_cosine * square_p * square_q);
-    bends[i] = static_cast<std::uint8_t>(enough & (square_p != 0) & (square_q != 0) & towards & turns);
+  std::int32_t bends[kBlock];
+  for (int i = 0; i < kBlock; ++i) {
+    const Arms arms = arms_of[i];
+    const Splitter::Normals here = n.from(i);
+    bends[i] = turns(here, here.x, arms.left, arms.right, 1, square_cosine) |
+               turns(here, here.y, arms.up, arms.down, columns, square_cosine);
+  }
+  for (int i = 0; i < kBlock; ++i) crease[i] = static_cast<std::uint8_t>(bends[i]);
+}
+
+/// 1 where the surface turns towards the viewer by more than the angle along the row or the column.
+VOXID_VECTORISED void markBends(const Splitter::Normals& normals, const std::uint8_t* arms, std::ptrdiff_t columns,
+                                std::ptrdiff_t count, float square_cosine, std::uint8_t* crease) {
+  for (std::ptrdiff_t first = 0; first < count; first += kBlock) {
+    const std::uint8_t* const block = arms + first;
+    if (eightAt(block) == 0) continue;
+    if (allHave(0xaa, eightAt(block)))  // kAcross or more in each direction
+      markBendsInBlock(normals.from(first), columns, square_cosine, FullArms<kAcross>{}, crease + first);
+    else
+      markBendsInBlock(normals.from(first), columns, square_cosine, AnyArms{block}, crease + first);
   }
 }
 
@@ -213,12 +252,11 @@ void Splitter::reserve(int width_px, int height_px) {
   }
   const auto most = static_cast<std::size_t>((width_px >> shift_) + 3) *
                     static_cast<std::size_t>((height_px >> shift_) + 2 + 2 * kMargin);
-  inverse_.reserve(most);
-  for (auto* bytes :
-       {&pixels_, &linked_left_, &linked_up_, &left_, &right_, &up_, &down_, &crease_, &piece_, &flags_}) {
-    bytes->reserve(most + kFlagsAtOnce);
+  inverse_.reserve(most + kBlock);
+  for (auto* bytes : {&pixels_, &linked_left_, &linked_up_, &arms_, &crease_, &piece_, &flags_}) {
+    bytes->reserve(most + kBlock);
   }
-  for (auto* values : {&x_, &y_, &z_, &square_, &slope_u_, &slope_v_}) values->reserve(most);
+  for (auto* values : {&x_, &y_, &z_, &square_}) values->resize(most + kBlock);
   for (auto* list : {&queue_, &parents_, &pixels_of_run_}) list->reserve(most);
   runs_.reserve(most);
   cuts_.reserve(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px));
@@ -230,10 +268,10 @@ void Splitter::takeCells(const InverseDepth& inverse, Span<const Run> runs) {
   first_row_ = (box.y >> shift_) - kMargin;
   columns_ = static_cast<std::size_t>(((box.x + box.width - 1) >> shift_) - first_column_ + 2);
   const auto rows = static_cast<std::size_t>(((box.y + box.height - 1) >> shift_) - first_row_ + 1 + kMargin);
-  inverse_.assign(columns_ * rows, 0);
-  pixels_.assign(columns_ * rows, 0);
   first_ = kMargin * columns_;
-  end_ = inverse_.size() - kMargin * columns_;
+  end_ = columns_ * (rows - kMargin);
+  inverse_.assign(columns_ * rows + kBlock, 0);
+  pixels_.assign(inverse_.size(), 0);
   for (const Run& run : runs) addRun(inverse, run);
   fillCells(pixels_.data() + first_, cells(), 1 << (2 * shift_), inverse_.data() + first_);
 }
@@ -259,20 +297,10 @@ void Splitter::addRun(const InverseDepth& inverse, Run run) {
 }
 
 void Splitter::linkCells() {
-  for (auto* links : {&linked_left_, &linked_up_}) links->assign(inverse_.size(), 0);
-  for (auto* links : {&left_, &right_, &up_, &down_}) links->resize(inverse_.size());
+  for (auto* links : {&linked_left_, &linked_up_, &arms_}) links->assign(inverse_.size(), 0);
   markLinks(inverse_.data() + first_, 1, cells(), step_, linked_left_.data() + first_);
   markLinks(inverse_.data() + first_, stride(), cells(), step_, linked_up_.data() + first_);
-  countLinks(linked_left_.data() + first_, 1, cells(), left_.data() + first_, right_.data() + first_);
-  countLinks(linked_up_.data() + first_, stride(), cells(), up_.data() + first_, down_.data() + first_);
-}
-
-/// A row's cells without the empty ones at either end, of which up to seven may be left.
-Run Splitter::withoutEmptyEnds(std::size_t row) const {
-  std::size_t begin = row, end = row + columns_;
-  while (begin + kFlagsAtOnce <= end && eightAt(pixels_.data() + begin) == 0) begin += kFlagsAtOnce;
-  while (begin + kFlagsAtOnce <= end && eightAt(pixels_.data() + end - kFlagsAtOnce) == 0) end -= kFlagsAtOnce;
-  return {static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)};
+  measureArms(linked_left_.data() + first_, linked_up_.data() + first_, stride(), cells(), arms_.data() + first_);
 }
 
 void Splitter::orientCells(const Camera& camera) {
@@ -281,33 +309,19 @@ void Splitter::orientCells(const Camera& camera) {
   const CellCamera cell_camera{static_cast<float>(camera.fx_q16) * pixel, static_cast<float>(camera.fy_q16) * pixel,
                                static_cast<float>(camera.cx_q16) * pixel - half,
                                static_cast<float>(camera.cy_q16) * pixel - half};
-  for (auto* values : {&x_, &y_, &z_, &slope_u_, &slope_v_}) values->resize(inverse_.size());
-  square_.assign(inverse_.size(), 0);
   int v = first_row_ + kMargin;
-  for (std::size_t row = first_; row < end_; row += columns_, ++v) {
-    const Run cells = withoutEmptyEnds(row);
-    const std::size_t first = cells.begin;
-    const CellLinks links{left_.data() + first, right_.data() + first, up_.data() + first, down_.data() + first};
-    orientRow(inverse_.data() + first, stride(), links, cell_camera, first_column_ + static_cast<int>(first - row), v,
-              static_cast<int>(cells.size()), normalsFrom(first));
-  }
+  for (std::size_t row = first_; row < end_; row += columns_, ++v)
+    orientRow(inverse_.data() + row, arms_.data() + row, stride(), cell_camera, first_column_, v, normalsFrom(row));
 }
 
 Splitter::Normals Splitter::normalsFrom(std::size_t cell) {
-  return {x_.data() + cell,      y_.data() + cell,       z_.data() + cell,
-          square_.data() + cell, slope_u_.data() + cell, slope_v_.data() + cell};
+  return {x_.data() + cell, y_.data() + cell, z_.data() + cell, square_.data() + cell};
 }
 
 void Splitter::markCreases(int angle_deg) {
   const auto cosine = static_cast<float>(cosineOf(angle_deg));
-  const Normals normals = normalsFrom(first_);
   crease_.assign(inverse_.size(), 0);
-  flags_.resize(inverse_.size());
-  markBends(normals, normals.slope_u, {left_.data() + first_, right_.data() + first_}, 1, cells(), cosine * cosine,
-            crease_.data() + first_);
-  markBends(normals, normals.slope_v, {up_.data() + first_, down_.data() + first_}, stride(), cells(), cosine * cosine,
-            flags_.data() + first_);
-  orInto(flags_.data() + first_, cells(), crease_.data() + first_);
+  markBends(normalsFrom(first_), arms_.data() + first_, stride(), cells(), cosine * cosine, crease_.data() + first_);
 }
 
 std::uint32_t Splitter::rootOf(std::uint32_t run) {
@@ -324,7 +338,7 @@ void Splitter::unite(std::uint32_t a, std::uint32_t b) {
 
 /// Cells side by side without a step or a crease, each linked to those above it.
 void Splitter::findRuns() {
-  flags_.assign(inverse_.size() + kFlagsAtOnce, 0);
+  flags_.assign(inverse_.size(), 0);
   markOpen(inverse_.data() + first_, crease_.data() + first_, linked_left_.data() + first_, cells(),
            flags_.data() + first_);
   runs_.clear();

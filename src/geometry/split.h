@@ -26,10 +26,12 @@ class Splitter {
   void split(const Surface& surface, const Camera& camera, std::size_t fewest, const SegmentParams& params,
              Components& components);
 
-  /// Of cells in a row. Not of unit length; square = 0: unknown. Slopes are inverse depth per cell to the right and
-  /// down.
+  /// Of cells in a row. Not of unit length; square is not a number: unknown. The first two are the slopes of the
+  /// inverse depth to the right and down, times the focal lengths.
   struct Normals {
-    float *x, *y, *z, *square, *slope_u, *slope_v;
+    float *x, *y, *z, *square;
+
+    Normals from(std::ptrdiff_t cell) const { return {x + cell, y + cell, z + cell, square + cell}; }
   };
 
  private:
@@ -46,7 +48,6 @@ class Splitter {
   void takeCells(const InverseDepth& inverse, Span<const Run> runs);
   void addRun(const InverseDepth& inverse, Run run);
   void linkCells();
-  Run withoutEmptyEnds(std::size_t row) const;
   void orientCells(const Camera& camera);
   void markCreases(int angle_deg);
   std::uint8_t findPieces(std::size_t fewest);
@@ -74,11 +75,11 @@ class Splitter {
   std::size_t first_ = 0, end_ = 0;  ///< the cells between the margins
   DepthStep step_;
   // By cell:
-  std::vector<std::int32_t> inverse_;                   ///< mean over the part's pixels in it; 0 = there are none
-  std::vector<std::uint8_t> pixels_;                    ///< of the part
-  std::vector<std::uint8_t> linked_left_, linked_up_;   ///< 1 = no step in depth to that neighbour
-  std::vector<std::uint8_t> left_, right_, up_, down_;  ///< such links in a row in that direction, at most 3
-  std::vector<float> x_, y_, z_, square_, slope_u_, slope_v_;  ///< Normals
+  std::vector<std::int32_t> inverse_;                  ///< mean over the part's pixels in it; 0 = there are none
+  std::vector<std::uint8_t> pixels_;                   ///< of the part
+  std::vector<std::uint8_t> linked_left_, linked_up_;  ///< 1 = no step in depth to that neighbour
+  std::vector<std::uint8_t> arms_;                     ///< such links in a row to all sides, at most 3; packed
+  std::vector<float> x_, y_, z_, square_;              ///< Normals
   std::vector<std::uint8_t> crease_, piece_, flags_;
   std::vector<std::uint32_t> queue_;
   // By run of cells:
