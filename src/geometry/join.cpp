@@ -29,7 +29,7 @@ constexpr int kRimsWithin_mm = 8;
 constexpr std::int64_t kWidestVessel_um = 400000;
 constexpr std::int64_t kFewestSagitta_um = 8000;
 
-constexpr int kRowStep = 3;  // of a part's rows every third shows its top and its shape as well
+constexpr int kRowStep = 4;  // of a part's rows every fourth shows its top and its shape as well
 
 constexpr int kTopPercentile = 97;
 constexpr int kHighest_mm = 2000;
