@@ -63,11 +63,23 @@ void RimGrower::growRuns(const Surface& surface, std::uint32_t region, Span<cons
   }
 }
 
+/// The same around one pixel.
+void RimGrower::growPixel(const Surface& surface, Added added) {
+  const int width = surface.inverse.width_px, v = surface.row(added.pixel);
+  const int u = static_cast<int>(added.pixel) - v * width;
+  const auto takeAt = [&](int du, int dv) {
+    const auto next = added.pixel + static_cast<std::uint32_t>(dv * width + du);
+    if (free_[next]) take(surface, {added.region, next}, added.pixel, v + dv);
+  };
+  if (u > 0) takeAt(-1, 0);
+  if (u + 1 < width) takeAt(1, 0);
+  if (v > 0) takeAt(0, -1);
+  if (v + 1 < surface.inverse.height_px) takeAt(0, 1);
+}
+
 /// Both lists ascend within a region.
 void RimGrower::merge(std::uint32_t width, std::vector<Region>& regions) {
-  std::sort(added_.begin(), added_.end(), [](const Added& a, const Added& b) {
-    return a.region != b.region ? a.region < b.region : a.pixel < b.pixel;
-  });
+  std::sort(added_.begin(), added_.end());
   runs_.clear();
   auto next = added_.cbegin();
   for (std::uint32_t i = 0; i < regions.size(); ++i) {
@@ -102,11 +114,7 @@ void RimGrower::grow(const Surface& surface, const SegmentParams& params, std::v
   for (std::uint32_t i = 0; i < regions.size(); ++i) growRuns(surface, i, regions[i].runs);
   std::size_t first = 0;
   for (int ring = 1; ring < std::max(1, kReach_px * surface.inverse.width_px / 640); ++ring) {
-    const std::size_t end = added_.size();
-    for (; first < end; ++first) {
-      const Run run{added_[first].pixel, added_[first].pixel + 1};
-      growRuns(surface, added_[first].region, {&run, 1});
-    }
+    for (const std::size_t end = added_.size(); first < end; ++first) growPixel(surface, added_[first]);
   }
   merge(static_cast<std::uint32_t>(surface.inverse.width_px), regions);
 }

@@ -23,10 +23,14 @@ class RimGrower {
  private:
   struct Added {
     std::uint32_t region, pixel;
+
+    bool operator<(Added other) const { return key() < other.key(); }
+    std::uint64_t key() const { return std::uint64_t{region} << 32 | pixel; }
   };
 
   void freeOthers(const std::vector<Region>& regions, const InverseDepth& inverse);
   void growRuns(const Surface& surface, std::uint32_t region, Span<const Run> runs);
+  void growPixel(const Surface& surface, Added added);
   void take(const Surface& surface, Added next, std::uint32_t from, int v);
   void merge(std::uint32_t width, std::vector<Region>& regions);
 
