@@ -11,11 +11,18 @@ namespace {
 
 constexpr std::uint64_t kOne = 1 << 16;
 
-// 2^-x for x from 0 to 1, all in 1/2^16: a parabola through both ends, within 0.3 %.
-std::uint64_t halved(std::uint64_t x) { return kOne - (44066 * x >> 16) + (11298 * x * x >> 32); }
+// 2^-x for x from 0 to below 1, in 1/2^32 so that a millisecond of the longest half-life counts: a parabola through
+// both ends, within 0.3 %.
+std::uint64_t halved(std::uint64_t x) {
+  constexpr std::uint64_t kWhole = std::uint64_t{1} << 32;
+  return kWhole - (44066 * x >> 16) + (11298 * (x * x >> 32) >> 16);
+}
 
-// Below 2^47: sums stay below 2^16 x 2^23 x a hundred thousand frames' weight.
-std::uint64_t times(std::uint64_t sum, std::uint64_t factor) { return sum * factor >> 16; }
+// The factor is at most 1, in 1/2^32. Sums stay below 2^16 x 2^23 x a million frames' weight: their halves are
+// multiplied.
+std::uint64_t times(std::uint64_t sum, std::uint64_t factor) {
+  return (sum >> 32) * factor + ((sum & 0xffffffff) * factor >> 32);
+}
 
 }  // namespace
 
@@ -31,7 +38,7 @@ void Evidence::forget(std::int64_t elapsed_ms, std::int64_t half_life_ms) {
   constexpr std::int64_t kMostHalvings = 15;
   if (half_life_ms <= 0 || elapsed_ms / half_life_ms > kMostHalvings) return clear();
   const auto rest =
-      static_cast<std::uint64_t>(elapsed_ms % half_life_ms) * kOne / static_cast<std::uint64_t>(half_life_ms);
+      (static_cast<std::uint64_t>(elapsed_ms % half_life_ms) << 32) / static_cast<std::uint64_t>(half_life_ms);
   const std::uint64_t factor = halved(rest) >> (elapsed_ms / half_life_ms);
   for (Entry& entry : categories_) {
     entry.distances = times(entry.distances, factor);

@@ -53,6 +53,11 @@ TEST_F(EvidenceTest, WhatWasNotMetIsAsFarAsTheFarthest) {
   EXPECT_EQ(order(), (Categories{0, 2, 1})) << "500, 300 + 250, 750; category 3 was never met";
 }
 
+TEST_F(EvidenceTest, TheFirstCategoryIsNoAnswerUnlessItWasMet) {
+  see({{10, 100}, {20, 200}});
+  EXPECT_EQ(order(), (Categories{1, 2}));
+}
+
 TEST_F(EvidenceTest, ScoresAreMeansOverTheFrames) {
   see({{0, 100}, {10, 400}});
   const int first = evidence_.answer(*index_, 0, 0).score_permille;
@@ -75,6 +80,25 @@ TEST_F(EvidenceTest, HalfIsForgottenAfterAHalfLife) {
   evidence_.forget(1000000, 10000);
   EXPECT_TRUE(evidence_.empty());
   EXPECT_EQ(evidence_.answer(*index_, 0, 0).count, 0);
+}
+
+// Sums and their factors at the far end of the half-life's range.
+TEST_F(EvidenceTest, TheLongestHalfLifeForgetsAsWell) {
+  constexpr std::int64_t kHalfLife_ms = 600000, kFrame_ms = 5;
+  for (int i = 0; i < 1000; ++i) see({{0, 400000}, {10, 500000}});
+  for (int i = 0; i < kHalfLife_ms / kFrame_ms; ++i) evidence_.forget(kFrame_ms, kHalfLife_ms);
+  for (int i = 0; i < 1000; ++i) see({{0, 100000}, {10, 500000}});
+  EXPECT_EQ(order(), (Categories{0, 1}));
+  EXPECT_NEAR(evidence_.meanDistance(), 200000, 2000);
+}
+
+TEST_F(EvidenceTest, HoursOfFramesSayWhatOneDoes) {
+  for (int i = 0; i < 60000; ++i) {
+    evidence_.forget(33, 600000);
+    see({{0, 400000}, {10, 500000}});
+  }
+  EXPECT_EQ(order(), (Categories{0, 1}));
+  EXPECT_NEAR(evidence_.meanDistance(), 400000, 40);
 }
 
 TEST_F(EvidenceTest, TheFirstIsHeldUnlessAnotherIsClearlyBetter) {

@@ -39,9 +39,9 @@ class Evidence {
 
  private:
   struct Entry {
-    std::uint64_t distances = 0;  // sum, in 1/2^16
-    std::uint64_t scores = 0;     // sum of permille, in 1/2^16
-    Neighbour last;
+    std::uint64_t distances = 0;       // sum, in 1/2^16
+    std::uint64_t scores = 0;          // sum of permille, in 1/2^16
+    Neighbour last{Search::kNone, 0};  // where it was met last
   };
   bool closer(std::uint32_t a, std::uint32_t b) const;
   void hold(std::uint32_t parts);
