@@ -88,6 +88,7 @@ struct Segmenter::Workspace {
   void probe(const Surface& surface, const Region& region);
   int shareInside_percent(const Surface& surface, const Region& region, std::int32_t margin_um);
   void keep(const Region& region, std::size_t most);
+  void sortRegions();
   void measure(const Surface& surface);
 };
 
@@ -259,13 +260,21 @@ void Segmenter::Workspace::measure(const Surface& surface) {
   }
 }
 
+/// By first pixels.
+void Segmenter::Workspace::sortRegions() {
+  std::sort(regions.begin(), regions.end(),
+            [](const Region& a, const Region& b) { return a.runs[0].begin < b.runs[0].begin; });
+}
+
 void Segmenter::Workspace::findClusters(const DepthView& depth, const SegmentParams& params) {
   const Surface surface{inverse, sums, rays, plan, plan_rays, scene.table.distance_m};
   findParts(surface, depth.camera, params);
   takeRegions(surface, params);
-  std::sort(regions.begin(), regions.end(),
-            [](const Region& a, const Region& b) { return a.runs[0].begin < b.runs[0].begin; });
-  if (params.rim) rim.grow(surface, params, regions);
+  sortRegions();
+  if (params.rim) {
+    rim.grow(surface, params, regions);
+    sortRegions();  // a rim may begin before its object did
+  }
   measure(surface);
 }
 

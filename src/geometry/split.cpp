@@ -367,9 +367,12 @@ std::uint8_t Splitter::findPieces(std::size_t fewest) {
   findRuns();
   piece_.assign(inverse_.size(), 0);
   pixels_of_run_.assign(runs_.size(), 0);
+  const auto plus = [](std::uint32_t sum, std::uint8_t pixels) {  // 0 stands for 256: a full cell from 5,120 columns on
+    return sum + static_cast<std::uint8_t>(pixels - 1) + 1;
+  };
   for (std::uint32_t i = 0; i < runs_.size(); ++i) {
     pixels_of_run_[rootOf(i)] +=
-        std::accumulate(pixels_.begin() + runs_[i].begin, pixels_.begin() + runs_[i].end, std::uint32_t{0});
+        std::accumulate(pixels_.begin() + runs_[i].begin, pixels_.begin() + runs_[i].end, std::uint32_t{0}, plus);
   }
   std::uint8_t count = 0;
   for (std::uint32_t i = 0; i < runs_.size(); ++i) {

@@ -142,6 +142,24 @@ TEST(Segmenter, PixelsAreAscendingInsideTheirBoxAndOfOneObjectOnly) {
   }
 }
 
+TEST(Segmenter, NumbersObjectsByTheirFirstPixelsRimsIncluded) {
+  Image image{640, 480, std::vector<std::uint16_t>(640 * 480, 1000), View{}.camera()};
+  const auto fill = [&](int left, int top, std::uint16_t depth_mm) {
+    for (int v = top; v < 160; ++v) {
+      for (int u = left; u < left + 60; ++u) image.at(u, v) = depth_mm;
+    }
+  };
+  fill(100, 100, 950);
+  fill(300, 98, 995);  // a low edge above the other's first row
+  fill(300, 102, 985);
+  Segmenter segmenter;
+  const Scene& scene = segmenter.segment(image.view(), SegmentParams{});
+  ASSERT_EQ(scene.clusters.size, 2u);
+  EXPECT_EQ(scene.clusters[0].pixels[0], 98u * 640 + 300);
+  EXPECT_EQ(scene.clusters[1].pixels[0], 100u * 640 + 100);
+  EXPECT_EQ(scene.clusters[1].id, 2);
+}
+
 /// How far a cluster's centroid is from the mean of its pixels' points.
 double metresFromMean(const Image& image, const Cluster& cluster) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -299,13 +317,52 @@ TEST(Segmenter, SurvivesNoise) {
   EXPECT_EQ(scene.valid_pixels, 640u * 480u);
 }
 
-TEST(Segmenter, FlagsWhatTheBorderCuts) {
-  const Image image = render(View{}, {{-0.42, 0.6, 0.2, 0.1, 0.1}});
+/// A box of 60 x 60 pixels on a table seen from straight above; what would lie outside the image is cut off.
+Image boxAt(int left, int top) {
+  Image image{640, 480, std::vector<std::uint16_t>(640 * 480, 1000), View{}.camera()};
+  for (int v = std::max(top, 0); v < std::min(top + 60, 480); ++v) {
+    for (int u = std::max(left, 0); u < std::min(left + 60, 640); ++u) image.at(u, v) = 950;
+  }
+  return image;
+}
+
+TEST(Segmenter, FlagsWhatTheBorderCutsOnAnySide) {
   Segmenter segmenter;
-  const Scene& scene = segmenter.segment(image.view(), SegmentParams{});
+  const auto isTruncated = [&](int left, int top) {
+    const Image image = boxAt(left, top);
+    const Scene& scene = segmenter.segment(image.view(), SegmentParams{});
+    EXPECT_EQ(scene.clusters.size, 1u) << left << " " << top;
+    return scene.clusters.size == 1 && scene.clusters[0].truncated;
+  };
+  EXPECT_FALSE(isTruncated(300, 200));
+  EXPECT_TRUE(isTruncated(-30, 200));
+  EXPECT_TRUE(isTruncated(610, 200));
+  EXPECT_TRUE(isTruncated(300, -30));
+  EXPECT_TRUE(isTruncated(300, 450));
+}
+
+TEST(Segmenter, KeepsAndFlagsWhatReachesOverTheOutline) {
+  Image image = boxAt(300, 200);
+  SegmentParams narrow;
+  narrow.outline_margin_mm = 0;
+  Segmenter segmenter;
+  const auto cut = [&](int width_px) {  // the table ends there, the box does not
+    for (int v = 0; v < 480; ++v) {
+      for (int u = width_px; u < 640; ++u) image.at(u, v) = image.at(u, v) == 950 ? 950 : 0;
+    }
+  };
+  cut(360);
+  const Scene& scene = segmenter.segment(image.view(), narrow);
   ASSERT_EQ(scene.clusters.size, 1u);
-  EXPECT_EQ(scene.clusters[0].box_px.x, 0);
+  EXPECT_FALSE(scene.clusters[0].truncated);
+  cut(330);  // half of it stands over the edge
+  segmenter.segment(image.view(), narrow);
+  ASSERT_EQ(scene.clusters.size, 1u);
   EXPECT_TRUE(scene.clusters[0].truncated);
+  cut(308);
+  segmenter.segment(image.view(), narrow);
+  EXPECT_EQ(scene.clusters.size, 0u);
+  EXPECT_EQ(scene.dropped[static_cast<std::size_t>(DropReason::OutsideOutline)], 1u);
 }
 
 TEST(Segmenter, DropsAndCountsWhatIsNoObject) {

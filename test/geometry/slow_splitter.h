@@ -44,7 +44,7 @@ class SlowSplitter {
 
   struct Cell {
     std::int32_t inverse = 0;  ///< mean over the part's pixels in the cell; 0 = there are none
-    std::uint8_t pixels = 0;
+    std::uint16_t pixels = 0;
     std::uint8_t left = 0, right = 0, up = 0, down = 0;  ///< cells without a step in that direction, at most kArm
     std::uint8_t piece = 0;
     bool crease = false;

@@ -51,6 +51,13 @@ TEST(Split, WorksInAQuarterOfThePixels) {
   EXPECT_EQ(heightsOf(render(quarter, kStacked)).size(), 2u);
 }
 
+TEST(Split, WorksInTheWidestImages) {
+  View wide;
+  wide.width_px = 5120;
+  wide.height_px = 2000;
+  EXPECT_EQ(heightsOf(render(wide, kTouching)).size(), 2u);
+}
+
 TEST(Split, EdgesThatBulgeAreNoCreases) {
   EXPECT_EQ(heightsOf(render(View{}, {{0, 0.65, 0.2, 0.2, 0.15, 40}})).size(), 1u);
 }
