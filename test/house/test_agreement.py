@@ -133,6 +133,14 @@ def sections_of(index):
     return {data[64 + 32 * i:68 + 32 * i].decode() for i in range(count)}
 
 
+def test_the_page_of_the_index_names_the_descriptors_revisions(root):
+    core = root / "include/voxid/core"
+    headers = (core / "descriptor.h").read_text() + (core / "depth_descriptor.h").read_text()
+    revisions = re.findall(r"k(?:Depth)?DescriptorRevision = (\d+);", headers)
+    page = (root / "doc/index_format.md").read_text()
+    assert list(re.search(r"`paper`: (\d+), `default`: (\d+); raised", page).groups()) == revisions
+
+
 def test_the_fuzzer_starts_from_every_section_of_an_index(root):
     headings = re.findall(r"^## (.*)$", (root / "doc/index_format.md").read_text(), re.MULTILINE)
     documented = {tag for heading in headings for tag in re.findall(r"\b[A-Z]{3}[A-Z4]\b", heading)}
