@@ -384,6 +384,23 @@ TEST(Segmenter, DropsAndCountsWhatIsNoObject) {
   EXPECT_LE(in_the_air->pixels, static_cast<unsigned>(in_the_air->box_px.width * in_the_air->box_px.height));
 }
 
+TEST(Segmenter, TellsOfTheLargestOfManyThatAreLeftOut) {
+  Image image{640, 480, std::vector<std::uint16_t>(640 * 480, 1000), View{}.camera()};
+  for (int crumb = 0; crumb < 70; ++crumb) {  // of 10 to 79 pixels
+    for (int i = 0; i < 10 + crumb; ++i) image.at(30 + crumb % 10 * 60 + i % 10, 30 + crumb / 10 * 60 + i / 10) = 950;
+  }
+  SegmentParams plain;
+  plain.rim = plain.split = plain.join = false;
+  Segmenter segmenter;
+  const Scene& scene = segmenter.segment(image.view(), plain);
+  EXPECT_EQ(scene.dropped[static_cast<std::size_t>(DropReason::TooFewPoints)], 70u);
+  std::set<std::uint32_t> pixels;
+  for (const LeftOut& cluster : scene.left_out) pixels.insert(cluster.pixels);
+  ASSERT_EQ(pixels.size(), 64u);
+  EXPECT_EQ(*pixels.begin(), 16u);
+  EXPECT_EQ(*pixels.rbegin(), 79u);
+}
+
 TEST(Segmenter, DividesIntoTableAndAboveAsPartsAreFound) {
   const Image image = render(View{}, {kTall, kLow});
   SegmentParams plain;  // no pixel but those above
