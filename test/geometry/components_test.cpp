@@ -8,6 +8,7 @@
 #include <numeric>
 #include <random>
 #include <set>
+#include <utility>
 #include <vector>
 
 namespace voxid {
@@ -127,11 +128,13 @@ TEST(Components, AreThoseOfPairsOfPixels) {
   SegmentParams params;
   params.min_height_mm = 20;
   for (const unsigned holes_per_256 : {4u, 60u, 160u, 230u}) {
-    for (const int bridge_px : {1, 3}) {
+    for (const auto& [bridge_px, gap_mm] : {std::pair(1, 15), {3, 15}, {1, 60}, {3, 60}}) {  // 15 mm are two pixels
       params.bridge_px = bridge_px;
+      params.cluster_gap_mm = gap_mm;
       const RandomFrame frame(holes_per_256);
       const Surface surface = frame.surface();
-      EXPECT_EQ(partsOf(surface, params), Twin(surface, params).parts()) << holes_per_256 << " " << bridge_px;
+      EXPECT_EQ(partsOf(surface, params), Twin(surface, params).parts())
+          << holes_per_256 << " " << bridge_px << " " << gap_mm;
     }
   }
 }
