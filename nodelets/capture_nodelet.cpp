@@ -3,6 +3,8 @@
 
 #include <sensor_msgs/distortion_models.h>
 #include <sensor_msgs/image_encodings.h>
+
+#include <algorithm>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "params.h"
@@ -41,6 +43,12 @@ sensor_msgs::CameraInfoPtr pinhole(const CaptureFrame& frame, const Intrinsics& 
   info->R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   info->P = {in.fx_px, 0, in.cx_px, 0, 0, in.fy_px, in.cy_px, 0, 0, 0, 1, 0};
   return info;
+}
+
+/// Never before time zero, where a simulation begins and ros::Time ends.
+ros::Time arrivalTime(int offset_ms) {
+  const std::int64_t ns = static_cast<std::int64_t>(ros::Time::now().toNSec()) + std::int64_t{offset_ms} * 1000000;
+  return ros::Time().fromNSec(static_cast<std::uint64_t>(std::max<std::int64_t>(0, ns)));
 }
 
 std::uint8_t levelOf(CaptureState state) {
@@ -126,7 +134,7 @@ void CaptureNodelet::onConfig(const CaptureConfig& config) {
 ros::Time CaptureNodelet::stampOf(const CaptureFrame& frame) {
   const bool taken_together =
       frame.sensor != last_sensor_ && frame.timestamp_us == last_timestamp_us_ && !last_stamp_.isZero();
-  if (!taken_together) last_stamp_ = ros::Time::now() + ros::Duration(stamp_offset_ms_ / 1000.0);
+  if (!taken_together) last_stamp_ = arrivalTime(stamp_offset_ms_);
   last_sensor_ = frame.sensor;
   last_timestamp_us_ = frame.timestamp_us;
   return last_stamp_;

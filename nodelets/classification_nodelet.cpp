@@ -5,6 +5,7 @@
 #include <functional>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "seconds.h"
 #include "stopwatch.h"
 #include "turns.h"
 
@@ -91,7 +92,7 @@ void ClassificationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image,
   const Eigen::Isometry3d target_from_camera = moveToTarget(objects.get());
   fillAnswers(objects.get());
   objects->classify_ms = watch.ms();
-  objects->latency_ms = static_cast<float>((ros::Time::now() - image->header.stamp).toSec() * 1e3);
+  objects->latency_ms = static_cast<float>(secondsBetween(image->header.stamp, ros::Time::now()) * 1e3);
   objects_.publish(objects);
   if (depth.ok()) poses_.offer({image, info, segments, objects, target_from_camera});
   report(*objects, depth.status);

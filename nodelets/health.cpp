@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "seconds.h"
+
 namespace voxid {
 namespace {
 
@@ -85,7 +87,7 @@ void Health::publish(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("last_ms", last_ms_);
   status.add("worst_ms", worst_ms_);
   status.add("cpu_ms", cpu_ms_);
-  if (frames_ > 0) status.add("last_frame_age_s", (ros::Time::now() - last_stamp_).toSec());
+  if (frames_ > 0) status.add("last_frame_age_s", secondsBetween(last_stamp_, ros::Time::now()));
 }
 
 }  // namespace voxid

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "conversions.h"
+#include "seconds.h"
 #include "voxid/geometry/object_memory.h"
 
 namespace voxid {
@@ -40,12 +41,12 @@ bool PoseBoard::Entry::moved(const Place& seen, const ros::Time& now) {
   } else if (away_since.isZero()) {
     away_since = now;
   }
-  return !away_since.isZero() && (now - away_since).toSec() >= kMovedAfter_s;
+  return !away_since.isZero() && secondsBetween(away_since, now) >= kMovedAfter_s;
 }
 
 const Answer& PoseBoard::Entry::answer(const Answer& by_codes, const ros::Time& now, bool holds_label) {
   if (found.name.count > 0) return found.name;
-  const bool held = holds_label && waits() && settled.count > 0 && (now - first_seen).toSec() > kSettledAfter_s;
+  const bool held = holds_label && waits() && settled.count > 0 && secondsBetween(first_seen, now) > kSettledAfter_s;
   if (!held) settled = by_codes;
   return settled;
 }
@@ -81,7 +82,7 @@ void PoseBoard::show(const Unaligned& unaligned, int min_score_permille, Objects
 
 void PoseBoard::forgetGone(const ros::Time& now) {
   for (auto entry = entries_.begin(); entry != entries_.end();) {
-    const bool gone = std::abs((now - entry->second.last_seen).toSec()) > kKeep_s;
+    const bool gone = std::abs(secondsBetween(entry->second.last_seen, now)) > kKeep_s;
     entry = gone ? entries_.erase(entry) : std::next(entry);
   }
 }
@@ -97,7 +98,7 @@ std::optional<std::size_t> PoseBoard::next(const Objects& objects) const {
     const Entry& entry = found->second;
     if (!entry.usual.holds(Place::of(object))) continue;
     if (entry.tries == 0) return i;
-    const bool due = (objects.header.stamp - entry.last_try).toSec() >= kApart_s;
+    const bool due = secondsBetween(entry.last_try, objects.header.stamp) >= kApart_s;
     if (!again && due && entry.tries < kMostTries) again = i;
   }
   return again;

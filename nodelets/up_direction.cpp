@@ -2,6 +2,7 @@
 #include "up_direction.h"
 
 #include "conversions.h"
+#include "seconds.h"
 
 namespace voxid {
 
@@ -19,7 +20,7 @@ std::optional<Eigen::Vector3f> UpDirection::in(const std::string& camera_frame, 
   try {
     const auto found = transforms_->lookupTransform(camera_frame, frame_, ros::Time(0));
     const bool always = found.header.stamp.isZero();  // static transforms alone
-    if (always || (stamp - found.header.stamp).toSec() <= kStale_s)
+    if (always || secondsBetween(found.header.stamp, stamp) <= kStale_s)
       return (eigenOf(found.transform).rotation() * Eigen::Vector3d::UnitZ()).cast<float>();
     trouble_ = "the transform from '" + frame_ + "' to '" + camera_frame + "' is more than a second old" + otherwise;
   } catch (const tf2::TransformException&) {

@@ -237,6 +237,20 @@ TEST_F(CaptureNodeletTest, StampsColourAndDepthAlike) {
   EXPECT_EQ(rgb->data[1], 100);
 }
 
+// A simulation that has not begun has the time zero, and an offset leads before it.
+TEST_F(CaptureNodeletTest, NoStampLiesBeforeTimeZero) {
+  playFrames(2);
+  node_.setParam("capture/stamp_offset_ms", -200);
+  ros::Time::setNow(ros::Time());
+  {
+    start();
+    Listener<Image> images(node_, "depth/image_raw");
+    const auto image = first(images);
+    EXPECT_TRUE(image && image->header.stamp.isZero());
+  }
+  ros::Time::init();  // the clock's time again
+}
+
 TEST_F(CaptureNodeletTest, TakesACalibrationFile) {
   playFrames(1);
   std::ofstream(folder / "mine.yaml")

@@ -205,6 +205,15 @@ TEST_F(Faults, TimeMayGoBackwards) {
   for (const double step : {0.0, -100.0, -99.9, -3600.0, 5.0, -0.001}) expectTheSceneIsSeen(now + ros::Duration(step));
 }
 
+// As of a driver that never set them; ros::Time's own differences throw.
+TEST_F(Faults, StampsMayLieAnyDistanceFromTheClock) {
+  startAnswering();
+  for (const ros::Time& stamp : {ros::Time(0, 1), ros::Time(0x80000000u, 0), ros::TIME_MAX})
+    expectTheSceneIsSeen(stamp);
+  ros::WallDuration(1.2).sleep();  // the diagnostics say how old the last frame is
+  expectTheSceneIsSeen();
+}
+
 // What waits for its other half must not keep older stamps out for ever.
 TEST_F(Faults, TimeMayGoBackwardsWhileHalfAFrameIsMissing) {
   startAnswering();
