@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "model_pose.h"
 #include "voxid/core/coarse.h"
@@ -24,6 +25,12 @@ std::string sizeText(std::uint32_t width, std::uint32_t height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
+std::string numberText(double number) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", number);
+  return text;
+}
+
 Result<DepthUnit> unitOf(const std::string& encoding) {
   if (encoding == encodings::TYPE_16UC1 || encoding == encodings::MONO16) return DepthUnit::MillimetreU16;
   if (encoding == encodings::TYPE_32FC1) return DepthUnit::MetreF32;
@@ -35,6 +42,8 @@ Status checkPixels(const sensor_msgs::Image& image, DepthUnit unit) {
   if (image.is_bigendian != kHostIsBigEndian)
     return Status::badUse(
         "depth image has its bytes in big-endian order, expected little-endian: let the driver swap them");
+  if (image.width == 0 || image.height == 0)
+    return Status::badUse("depth image of " + sizeText(image.width, image.height) + " has no pixels");
   const std::size_t row_bytes = image.width * bytesPerPixel(unit);
   if (image.step < row_bytes || image.data.size() < std::size_t{image.step} * image.height ||
       image.step % bytesPerPixel(unit))
@@ -50,8 +59,9 @@ Result<Camera> cameraOf(const sensor_msgs::CameraInfo& info, const sensor_msgs::
                           sizeText(image.width, image.height) + ": calibrate the depth mode that is used");
   const Camera camera = Camera::fromPixels(info.K[0], info.K[4], info.K[2], info.K[5]);
   if (!camera.valid())
-    return Status::badUse("camera_info has no usable focal length (K[0] = " + std::to_string(info.K[0]) +
-                          "): give the camera a calibration");
+    return Status::badUse("camera_info has no usable focal length or centre (K has fx " + numberText(info.K[0]) +
+                          ", fy " + numberText(info.K[4]) + ", cx " + numberText(info.K[2]) + ", cy " +
+                          numberText(info.K[5]) + "): give the camera a calibration");
   return camera;
 }
 

@@ -322,7 +322,15 @@ TEST(ViewOf, RefusesWithOneSentence) {
   EXPECT_TRUE(has(refused([](Image& i, CameraInfo&) { i.step = 319; }), "rows of 319"));
   EXPECT_TRUE(has(refused([](Image&, CameraInfo& c) { c.width = 640; }),
                   "camera_info is for 640 x 240, the depth image is 320 x 240"));
-  EXPECT_TRUE(has(refused([](Image&, CameraInfo& c) { c.K[0] = 0; }), "no usable focal length"));
+  EXPECT_TRUE(
+      has(refused([](Image&, CameraInfo& c) { c.K[0] = 0; }), "no usable focal length or centre (K has fx 0, "));
+  EXPECT_TRUE(has(refused([](Image&, CameraInfo& c) { c.K[5] = NAN; }), "cy nan"));
+  for (const bool columns : {false, true}) {
+    const auto empty = [columns](Image& i, CameraInfo& c) {
+      (columns ? i.width : i.height) = (columns ? c.width : c.height) = 0;
+    };
+    EXPECT_TRUE(has(refused(empty), columns ? "of 0 x 240 has no pixels" : "of 320 x 0 has no pixels"));
+  }
 }
 
 TEST(Status, NamesAndSentences) {
