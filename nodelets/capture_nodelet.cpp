@@ -19,7 +19,7 @@ constexpr std::uint32_t kQueue = 4;
 std::string textParam(const ros::NodeHandle& node, const std::string& name) {
   int number = 0;
   if (node.getParam(name, number)) return std::to_string(number);
-  return node.param<std::string>(name, "");
+  return startParam<std::string>(node, name, "");
 }
 
 /// Replaces the pixels and what says how they lie.
@@ -73,19 +73,20 @@ CaptureNodelet::~CaptureNodelet() {
 
 void CaptureNodelet::onInit() {
   ros::NodeHandle& private_node = getPrivateNodeHandle();
-  const std::string depth_frame = private_node.param<std::string>("depth_frame_id", "voxid_depth_optical_frame");
-  const bool colour = private_node.param("color", false);
+  const std::string depth_frame = startParam<std::string>(private_node, "depth_frame_id", "voxid_depth_optical_frame");
+  const bool colour = startParam(private_node, "color", false);
   setUpOutput(depth_, "depth", depth_frame, "camera_info_url");
   // Depth is registered to colour, so both are seen from one place.
-  if (colour) setUpOutput(colour_, "rgb", private_node.param("rgb_frame_id", depth_frame), "rgb_camera_info_url");
+  if (colour) setUpOutput(colour_, "rgb", startParam(private_node, "rgb_frame_id", depth_frame), "rgb_camera_info_url");
 
   CaptureLoop::Sink sink;
   sink.frame = [this](const CaptureFrame& frame, const Intrinsics& intrinsics) { onFrame(frame, intrinsics); };
   sink.lost = [this](const std::string& sentence) { NODELET_ERROR("%s", sentence.c_str()); };
   sink.recovered = [this] { NODELET_INFO("the device is back"); };
   loop_ = std::make_unique<CaptureLoop>(
-      CaptureLoop::Options{textParam(private_node, "device"), colour, private_node.param("loop", false)}, sink);
+      CaptureLoop::Options{textParam(private_node, "device"), colour, startParam(private_node, "loop", false)}, sink);
 
+  checkTypes<CaptureConfig>(private_node);
   config_ = std::make_unique<dynamic_reconfigure::Server<CaptureConfig>>(private_node);
   config_->setCallback([this](CaptureConfig& config, std::uint32_t) { onConfig(config); });
   updater_ = std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), private_node, getName());
@@ -103,7 +104,7 @@ void CaptureNodelet::onInit() {
 void CaptureNodelet::setUpOutput(Output& output, const std::string& name, const std::string& frame_id,
                                  const std::string& url_param) {
   output.frame_id = frame_id;
-  const std::string url = getPrivateNodeHandle().param<std::string>(url_param, "");
+  const std::string url = startParam<std::string>(getPrivateNodeHandle(), url_param, "");
   if (url.empty()) return;
   const ros::NodeHandle node(getNodeHandle(), name);
   output.calibration = std::make_unique<camera_info_manager::CameraInfoManager>(node, name, url);

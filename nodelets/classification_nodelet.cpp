@@ -33,6 +33,7 @@ ClassificationNodelet::~ClassificationNodelet() {
 void ClassificationNodelet::onInit() {
   ros::NodeHandle& node = getNodeHandle();
   health_.start(node, getPrivateNodeHandle(), getName());
+  checkTypes<ClassificationConfig>(getPrivateNodeHandle());
   config_ = std::make_unique<dynamic_reconfigure::Server<ClassificationConfig>>(getPrivateNodeHandle());
   config_->setCallback([this](ClassificationConfig& config, std::uint32_t) { onConfig(config); });
   const ClassificationStartParams at_start = classificationStartParams(getPrivateNodeHandle());

@@ -3,6 +3,7 @@
 
 #include <pluginlib/class_list_macros.hpp>
 
+#include "start_param.h"
 #include "stopwatch.h"
 #include "turns.h"
 
@@ -21,13 +22,13 @@ std::string remedy(const std::string& url) {
 }  // namespace
 
 void LcmBridgeNodelet::onInit() {
-  url_ = getPrivateNodeHandle().param<std::string>("url", kDefaultUrl);
+  url_ = startParam<std::string>(getPrivateNodeHandle(), "url", kDefaultUrl);
   health_.start(getNodeHandle(), getPrivateNodeHandle(), getName());
   health_.listening(true);
   connect();
   const std::lock_guard<std::mutex> turn(subscriptionTurn());
   objects_ = getNodeHandle().subscribe("objects", 2, &LcmBridgeNodelet::onObjects, this);
-  if (getPrivateNodeHandle().param("points", false)) listenToPoints();
+  if (startParam(getPrivateNodeHandle(), "points", false)) listenToPoints();
 }
 
 void LcmBridgeNodelet::listenToPoints() {

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <string>
 
+#include "start_param.h"
 #include "voxid/geometry/segment_params.h"
 #include "voxid/core/classify_params.h"
 #include "voxid/geometry/memory_params.h"
@@ -52,8 +53,8 @@ struct SegmentationStartParams {
 
 inline SegmentationStartParams segmentationStartParams(const ros::NodeHandle& node) {
   SegmentationStartParams params;
-  node.param("up_frame", params.up_frame, params.up_frame);
-  node.param("debug", params.debug, params.debug);
+  params.up_frame = startParam(node, "up_frame", params.up_frame);
+  params.debug = startParam(node, "debug", params.debug);
   return params;
 }
 
@@ -85,18 +86,18 @@ struct ClassificationStartParams {
 
 inline ClassificationStartParams classificationStartParams(const ros::NodeHandle& node) {
   ClassificationStartParams params;
-  node.param("index", params.index, params.index);
-  node.param("watch_index", params.watch_index, params.watch_index);
-  node.param("categories", params.categories, params.categories);
-  node.param("size", params.size, params.size);
-  node.param("target_frame", params.target_frame, params.target_frame);
-  node.param("memory", params.memory, params.memory);
-  node.param("confirmed_sizes", params.confirmed_sizes, params.confirmed_sizes);
-  node.param("align", params.align, params.align);
-  node.param("align_names", params.align_names, params.align_names);
-  node.param("align_percent", params.align_percent, params.align_percent);
+  params.index = startParam(node, "index", params.index);
+  params.watch_index = startParam(node, "watch_index", params.watch_index);
+  params.categories = startParam(node, "categories", params.categories);
+  params.size = startParam(node, "size", params.size);
+  params.target_frame = startParam(node, "target_frame", params.target_frame);
+  params.memory = startParam(node, "memory", params.memory);
+  params.confirmed_sizes = startParam(node, "confirmed_sizes", params.confirmed_sizes);
+  params.align = startParam(node, "align", params.align);
+  params.align_names = startParam(node, "align_names", params.align_names);
+  params.align_percent = startParam(node, "align_percent", params.align_percent);
   params.align_percent = std::clamp(params.align_percent, 1, 100);
-  node.param("models", params.models, params.models);
+  params.models = startParam(node, "models", params.models);
   return params;
 }
 

@@ -28,6 +28,7 @@ SegmentationNodelet::~SegmentationNodelet() {
 void SegmentationNodelet::onInit() {
   ros::NodeHandle& node = getNodeHandle();
   health_.start(node, getPrivateNodeHandle(), getName());
+  checkTypes<SegmentationConfig>(getPrivateNodeHandle());
   config_ = std::make_unique<dynamic_reconfigure::Server<SegmentationConfig>>(getPrivateNodeHandle());
   config_->setCallback([this](SegmentationConfig& config, std::uint32_t) { onConfig(config); });
   const SegmentationStartParams at_start = segmentationStartParams(getPrivateNodeHandle());

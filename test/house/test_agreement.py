@@ -29,6 +29,15 @@ def test_launch_files_and_nodelets_start_from_the_same_defaults(root):
             key: str(at_start[key]["default"]).lower() for key in shared}
 
 
+def test_switches_of_launch_files_are_true_or_false_however_they_are_written(root):
+    """roslaunch itself makes a number of 1, which a nodelet does not take for true."""
+    launch = xml.parse(root / "launch/voxid.launch").getroot()
+    switches = {arg.get("name") for arg in launch.iter("arg") if arg.get("default") in ("true", "false")}
+    wrong = [param.get("name") for param in launch.iter("param") if param.get("type") != "bool"
+             and param.get("value")[len("$(arg "):-1] in switches]
+    assert switches and wrong == []
+
+
 def version_of_cmake(root):
     return re.search(r"project\(voxid VERSION ([\d.]+)", (root / "CMakeLists.txt").read_text())[1]
 

@@ -2,13 +2,17 @@
 // Cameras that send nonsense, clocks that jump, listeners that sleep: the chain answers on, with the newest frame.
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <ros/callback_queue.h>
+#include <rosgraph_msgs/Log.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstring>
 #include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <string>
+#include <vector>
 
 #include "chain_fixture.h"
 #include "scene_index.h"
@@ -203,6 +207,43 @@ TEST_F(Faults, TimeMayGoBackwards) {
   startAnswering();
   const ros::Time now = ros::Time::now();
   for (const double step : {0.0, -100.0, -99.9, -3600.0, 5.0, -0.001}) expectTheSceneIsSeen(now + ros::Duration(step));
+}
+
+/// What was logged so far.
+class Log {
+ public:
+  Log() {
+    subscriber_ = ros::NodeHandle().subscribe("/rosout", 200, &Log::on, this);
+    EXPECT_TRUE(eventually(5, [this] { return subscriber_.getNumPublishers() > 0; }));
+  }
+  /// Lines that begin and go on so.
+  std::ptrdiff_t count(const std::string& begin, const std::string& part = "") {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return std::count_if(lines_.begin(), lines_.end(), [&](const std::string& line) {
+      return line.compare(0, begin.size(), begin) == 0 && line.find(part) != std::string::npos;
+    });
+  }
+
+ private:
+  void on(const rosgraph_msgs::LogConstPtr& line) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    lines_.push_back(line->msg);
+  }
+
+  std::mutex mutex_;
+  std::vector<std::string> lines_;
+  ros::Subscriber subscriber_;
+};
+
+// As from a command line that says _size:=1.
+TEST_F(Faults, AParameterOfAnotherTypeIsNamed) {
+  Log log;
+  node_.setParam("classification/size", 1);
+  node_.setParam("segmentation/max_clusters", "many");
+  startAnswering();
+  for (const char* sentence : {"/classification/size is not true or false: the default is taken",
+                               "/segmentation/max_clusters is not a number: the default is taken"})
+    EXPECT_TRUE(eventually(5, [&] { return log.count(name_ + sentence) > 0; })) << sentence;
 }
 
 // As of a driver that never set them; ros::Time's own differences throw.
