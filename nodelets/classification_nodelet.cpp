@@ -46,6 +46,7 @@ void ClassificationNodelet::onInit() {
   poses_.start(node, at_start, [this] { return params(); });
   watch_.start(at_start.index, at_start.watch_index);
   followIndex(watch_.index() != nullptr);
+  if (!watch_.trouble().empty()) health_.reason(Health::Level::Warn, watch_.trouble());
 
   frames_ = std::make_unique<Frame>(8, image_, info_, segments_, this, &ClassificationNodelet::onFrame,
                                     [this] { health_.dropped(); });
@@ -226,7 +227,6 @@ void ClassificationNodelet::followIndex(bool replaced) {
     NODELET_INFO("index %s: %u models, %u views", watch_.index()->path().c_str(), watch_.index()->header().models,
                  watch_.index()->header().views);
   }
-  if (!watch_.trouble().empty()) health_.reason(Health::Level::Warn, watch_.trouble());
 }
 
 void ClassificationNodelet::startTransforms() {

@@ -10,6 +10,8 @@ namespace {
 
 constexpr double kSilence_s = 3;  // a camera that is listened to and says nothing for so long is worth a warning
 
+constexpr double kLogAgain_s = 60;  // what is wrong in every second frame would fill a disk in a month
+
 void log(Health::Level level, const std::string& name, const std::string& sentence) {
   if (level == Health::Level::Error) ROS_ERROR("%s: %s", name.c_str(), sentence.c_str());
   if (level == Health::Level::Warn) ROS_WARN("%s: %s", name.c_str(), sentence.c_str());
@@ -60,7 +62,13 @@ void Health::dropped() {
 
 void Health::reason(Level level, const std::string& sentence) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (sentence != reason_) log(level, name_, sentence);
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  const bool just_logged = sentence == logged_ && now - logged_at_ < ros::WallDuration(kLogAgain_s);
+  if (level != Level::Ok && sentence != reason_ && !just_logged) {
+    log(level, name_, sentence);
+    logged_ = sentence;
+    logged_at_ = now;
+  }
   level_ = level;
   reason_ = sentence;
 }

@@ -14,7 +14,7 @@ namespace voxid {
 
 /// What a nodelet says about itself on /diagnostics once a second: state, reason, frames, drops, age of the last frame,
 /// and what the frames cost.
-/// A reason is logged once, when it appears. Thread-safe.
+/// A reason is logged once, when it appears, and at most once a minute where it comes and goes. Thread-safe.
 class Health {
  public:
   enum class Level : std::uint8_t { Ok = 0, Warn = 1, Error = 2 };  ///< as in diagnostic_msgs/DiagnosticStatus
@@ -37,14 +37,14 @@ class Health {
   void summarise(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
   mutable std::mutex mutex_;
-  std::string name_, reason_, last_status_;
+  std::string name_, reason_, logged_, last_status_;
   Level level_ = Level::Ok;
   bool listening_ = false;
   std::uint64_t frames_ = 0, dropped_ = 0;
   std::map<std::string, std::uint64_t> counts_;  // frames by status, and what count() adds to
   double last_ms_ = 0, worst_ms_ = 0, cpu_ms_ = 0;
   ros::Time last_stamp_;
-  ros::SteadyTime last_arrival_;
+  ros::SteadyTime last_arrival_, logged_at_;
   std::unique_ptr<diagnostic_updater::Updater> updater_;
   ros::WallTimer timer_;
 };

@@ -246,6 +246,41 @@ TEST_F(Faults, AParameterOfAnotherTypeIsNamed) {
     EXPECT_TRUE(eventually(5, [&] { return log.count(name_ + sentence) > 0; })) << sentence;
 }
 
+struct LoggedFaults : Faults {
+  void showWrongEncoding() {
+    const ros::Time stamp = ros::Time::now();
+    const auto image = imageOf(TableScene().depth_mm(), stamp);
+    image->encoding = "bgr8";
+    const ObjectsConstPtr objects = answerTo(image, infoOf(stamp));
+    ASSERT_TRUE(objects && objects->status == Objects::BAD_INPUT);
+  }
+  void expectIsLoggedOnce(const std::string& nodelet) {
+    const auto lines = [&] { return log_.count(name_ + "/" + nodelet + ": ", "'bgr8'"); };
+    EXPECT_TRUE(eventually(5, [&] { return lines() > 0; }));
+    ros::WallDuration(0.5).sleep();
+    EXPECT_EQ(lines(), 1) << nodelet;
+  }
+
+  Log log_;
+};
+
+TEST_F(LoggedFaults, WhatIsWrongInEverySecondFrameIsLoggedOnce) {
+  startAnswering();
+  for (int i = 0; i < 5; ++i) {
+    showWrongEncoding();
+    expectTheSceneIsSeen();
+  }
+  expectIsLoggedOnce("segmentation");
+}
+
+TEST_F(LoggedFaults, WhatIsWrongInEveryFrameIsLoggedOnceWhereThereIsNoIndexEither) {
+  start();
+  objects_ = std::make_unique<Listener<Objects>>(node_, "objects");
+  ASSERT_TRUE(answerTo(TableScene().depth_mm(), *objects_));
+  for (int i = 0; i < 5; ++i) showWrongEncoding();
+  expectIsLoggedOnce("classification");
+}
+
 // As of a driver that never set them; ros::Time's own differences throw.
 TEST_F(Faults, StampsMayLieAnyDistanceFromTheClock) {
   startAnswering();
