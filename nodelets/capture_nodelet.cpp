@@ -188,6 +188,7 @@ void CaptureNodelet::diagnose(diagnostic_updater::DiagnosticStatusWrapper& statu
     if (!calibration_problem_.empty())
       status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN, calibration_problem_);
   }
+  if (!snapshot.lacks.empty()) status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN, snapshot.lacks);
   status.add("state", nameOf(snapshot.state));
   status.add("cause", snapshot.cause);
   status.add("device", snapshot.device);

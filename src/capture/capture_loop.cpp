@@ -88,6 +88,7 @@ void CaptureLoop::run() {
       std::unique_lock<std::mutex> lock(mutex_);
       snapshot_.state = CaptureState::Idle;
       snapshot_.cause.clear();
+      snapshot_.lacks.clear();
       changed_.wait(lock, [this] { return quit_ || wanted(); });
       if (quit_) return;
       retry_ms_ = 0;
@@ -143,7 +144,9 @@ CaptureLoop::Outcome CaptureLoop::readWhileWanted(Device& device, std::string& c
       std::lock_guard<std::mutex> lock(mutex_);
       if (!wanted()) return Outcome::NoDemand;
       depth = want_depth_;
-      colour = want_colour_;
+      colour = want_colour_ && device.hasColour();
+      snapshot_.lacks = colour == want_colour_ ? "" : "device " + titleOf(device) + " has no colour stream";
+      if (!depth && !colour) watch_from_ = Clock::now();  // nothing that could stall
     }
     if (depth != depth_runs || colour != colour_runs) {
       const Status status = device.setStreaming(depth, colour);

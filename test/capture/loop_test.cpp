@@ -116,6 +116,24 @@ TEST_F(LoopTest, WatchdogNoticesAStall) {
   EXPECT_EQ(recoveries_, 1);
 }
 
+TEST_F(LoopTest, ADeviceWithoutColourHasNotStalled) {
+  playFrames(2);
+  CaptureLoop::Options options;
+  options.colour = true;
+  run(options);
+  loop_->demand(false, true);
+  EXPECT_TRUE(eventually([&] { return !loop_->snapshot().lacks.empty(); }));
+  EXPECT_NE(loop_->snapshot().lacks.find("has no colour stream"), std::string::npos) << loop_->snapshot().lacks;
+  std::this_thread::sleep_for(std::chrono::milliseconds(2 * params_.stall_ms));
+  EXPECT_TRUE(losses().empty()) << losses()[0];
+  loop_->demand(true, true);
+  EXPECT_TRUE(framesCome());
+  EXPECT_NE(loop_->snapshot().lacks, "");
+  loop_->demand(true, false);
+  EXPECT_TRUE(eventually([&] { return loop_->snapshot().lacks.empty(); }));
+  EXPECT_TRUE(losses().empty());
+}
+
 TEST_F(LoopTest, FindsADeviceThatComesLater) {
   writeFrames(folder.path(), 2);
   set("VOXID_REPLAY_CONTROL", folder / "control");

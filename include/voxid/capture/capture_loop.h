@@ -31,6 +31,7 @@ struct CaptureSnapshot {
   CaptureState state = CaptureState::Idle;
   std::string cause;             ///< Lost, Failed: the sentence
   std::string device;            ///< name and URI once opened
+  std::string lacks;             ///< what is listened to and the device does not have, in a sentence; empty: nothing
   std::uint64_t frames = 0;      ///< handed over since construction
   std::uint64_t bad_frames = 0;  ///< thrown away: size not the mode's
   std::uint64_t reconnects = 0;  ///< outages that ended
