@@ -9,6 +9,10 @@ namespace voxid {
 namespace {
 
 std::string seen(const std::vector<DeviceDescription>& devices) {
+  const char* const replay = std::getenv("VOXID_REPLAY");
+  if (devices.empty() && replay && *replay)
+    return std::string("OpenNI2 sees no device, nor the replay of ") + replay +
+           "; does the folder hold depth images, and LD_LIBRARY_PATH begin with the replay driver's folder?";
   if (devices.empty()) return "OpenNI2 sees no device; check the cable and the udev rules";
   std::string text = "OpenNI2 sees ";
   for (std::size_t i = 0; i < devices.size(); ++i) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <atomic>
+#include <cstdio>
 #include <cstring>
 #include <list>
 #include <memory>
@@ -104,7 +105,7 @@ class ReplayDriver : public oni::driver::DriverBase {
     DriverBase::initialize(connected, disconnected, changed, cookie);
     std::vector<std::string> problems;
     for (const Config& config : configsFromEnvironment(problems)) present(config);
-    for (const std::string& problem : problems) say(problem);
+    for (const std::string& problem : problems) tell(problem);
     control_thread_ = std::thread(&ReplayDriver::watchControl, this);
     return ONI_STATUS_OK;
   }
@@ -129,6 +130,12 @@ class ReplayDriver : public oni::driver::DriverBase {
     if (problem.empty()) return;
     getServices().errorLoggerAppend("%s", problem.c_str());
     getServices().log(3, __FILE__, __LINE__, "VoxidReplay", problem.c_str());
+  }
+
+  /// Also where nobody asks OpenNI2 what it has to complain of: a device is there, but not as it was meant to be.
+  void tell(const std::string& problem) {
+    std::fprintf(stderr, "voxid replay: %s\n", problem.c_str());
+    say(problem);
   }
 
   bool present(const Config& config) {

@@ -65,6 +65,20 @@ def test_list_without_a_device(tmp_path):
     assert done.stderr == "voxid: no device: OpenNI2 sees no device; check the cable and the udev rules\n"
 
 
+def test_a_replay_that_is_not_there(tmp_path):
+    done = run({**environment(), "VOXID_REPLAY": str(tmp_path)}, "list")
+    assert done.returncode == 1
+    assert done.stderr.endswith(
+        f"voxid: no device: OpenNI2 sees no device, nor the replay of {tmp_path}; does the folder hold depth images, "
+        "and LD_LIBRARY_PATH begin with the replay driver's folder?\n")
+
+
+def test_an_option_that_is_not_understood_is_said(folder):
+    done = run(environment(folder, fps="0.5"), "list")
+    assert done.returncode == 0
+    assert done.stderr.startswith("voxid replay: environment: 'fps=0.5' is not understood; expected fps=1..1000")
+
+
 def test_record_and_play_the_recording_as_a_device(folder, tmp_path):
     out = tmp_path / "x.oni"
     done = run(environment(folder), "record", "--out", str(out), "--frames", "5", "--json")
