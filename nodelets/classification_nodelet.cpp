@@ -223,7 +223,8 @@ void ClassificationNodelet::followIndex(bool replaced) {
     scope_ = std::make_shared<AnswerScope>(*watch_.index(), categories_, size_, confirmed_sizes_);
     recognisers(params().threads);
     poses_.setIndex(watch_.index(), scope_);
-    if (remembers_) memory_ = std::make_unique<ObjectMemory>(watch_.index()->categories().size);
+    const std::uint32_t last_number = memory_ ? memory_->lastNumber() : 0;
+    if (remembers_) memory_ = std::make_unique<ObjectMemory>(watch_.index()->categories().size, last_number);
     NODELET_INFO("index %s: %u models, %u views", watch_.index()->path().c_str(), watch_.index()->header().models,
                  watch_.index()->header().views);
   }

@@ -65,7 +65,7 @@ class PoseBoard {
 
   bool empty() const;  ///< nothing is known of any object
 
-  /// Numbers begin anew: another index, or a memory that was cleared.
+  /// Categories and numbers are others: those of another index.
   void clear();
 
  private:

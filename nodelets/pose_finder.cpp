@@ -195,7 +195,7 @@ bool PoseFinder::alignNext() {
   return true;
 }
 
-/// While it is aligned, numbers and categories may begin anew.
+/// While it is aligned, an index with other categories may come.
 AlignedObject PoseFinder::alignAndKeep(const AnsweredFrame& frame, std::size_t object) {
   const std::uint64_t before = indices();
   const AlignedObject found = align(frame, object);

@@ -30,8 +30,8 @@ bool lasts(bool is_so, std::int64_t now_us, std::int64_t& since_us) {
 
 }  // namespace
 
-ObjectMemory::ObjectMemory(std::size_t categories)
-    : tracks_(kMostTracks), evidence_(kMostTracks, Evidence(categories)) {
+ObjectMemory::ObjectMemory(std::size_t categories, std::uint32_t last_number)
+    : tracks_(kMostTracks), evidence_(kMostTracks, Evidence(categories)), last_number_(last_number) {
   pairs_.reserve(kMostTracks * kMostSightings);
   numbers_.reserve(kMostSightings);
   track_of_.reserve(kMostSightings);

@@ -187,8 +187,10 @@ TEST_F(Chain, IndexMayAppearAndBeReplacedWhileFramesCome) {
     };
   };
   EXPECT_TRUE(eventually(5, sees("box")));
+  const std::uint32_t number = labelled(*objects, "box")->number;
   test::writeSceneIndex(index_path_, "carton");
   EXPECT_TRUE(eventually(5, sees("carton")));
+  EXPECT_GT(labelled(*objects, "carton")->number, number) << "a number was used again";
 
   // Damage is not taken over: the index that was there answers on.
   std::filesystem::remove(index_path_);

@@ -26,7 +26,8 @@ class ObjectMemory {
   static constexpr std::int64_t kExchangedAfter_ms = 250;  ///< what looks like another thing for so long is one
   static constexpr int kEstablishedAfter_frames = 5;       ///< what was cut off for a moment does not rival its whole
 
-  explicit ObjectMemory(std::size_t categories);
+  /// `last_number`: of the memory before, where this one takes its place: numbers go on.
+  explicit ObjectMemory(std::size_t categories, std::uint32_t last_number = 0);
 
   /// Starts a frame: each sighting is given the number of the object that it is, 1, 2, ... in the order of their first
   /// sight, never used again. Sightings and objects are paired by their distance on the table, the nearest pair first,
@@ -49,6 +50,7 @@ class ObjectMemory {
 
   /// The number of the i-th sighting; as from update, unless remember has found that it was exchanged.
   std::uint32_t numberOf(std::size_t sighting) const { return sighting < numbers_.size() ? numbers_[sighting] : 0; }
+  std::uint32_t lastNumber() const { return last_number_; }  ///< that was given; 0: none
 
  private:
   struct Track {
