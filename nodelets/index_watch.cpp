@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "index_watch.h"
 
+#include <cstdint>
+
 namespace voxid {
 namespace {
 
+// Files up to this size are not mapped: who copies over one in use, instead of renaming, would end the chain.
+constexpr std::uint64_t kOwnBytes = 256 << 20;
 constexpr auto kLookEvery = std::chrono::milliseconds(500);
 
 }  // namespace
@@ -40,7 +44,7 @@ IndexWatch::Stamp IndexWatch::stampOf(const std::string& path) {
 
 bool IndexWatch::reopen(const Stamp& stamp) {
   opened_ = stamp;
-  Result<std::shared_ptr<const Index>> opened = Index::open(path_);
+  Result<std::shared_ptr<const Index>> opened = Index::open(path_, kOwnBytes);
   trouble_ = opened.status.sentence;
   if (!opened.ok()) return false;
   index_ = std::move(opened.value);

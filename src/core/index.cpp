@@ -53,7 +53,7 @@ std::uint32_t headerSum(const std::uint8_t* file, const format::Header& header) 
 
 }  // namespace
 
-Status Index::map() {
+Status Index::map(std::uint64_t own_bytes) {
   const int file = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) return cannotOpen(path_, std::string(std::strerror(errno)) + "; make one with `voxid build`");
   struct stat info {};
@@ -65,17 +65,34 @@ Status Index::map() {
   } else if (static_cast<std::uint64_t>(info.st_size) > std::numeric_limits<std::size_t>::max()) {
     status = cannotOpen(path_, "it is larger than this machine's address space");
   } else {
-    void* const start = ::mmap(nullptr, static_cast<std::size_t>(info.st_size), PROT_READ, MAP_SHARED, file, 0);
+    const bool own = static_cast<std::uint64_t>(info.st_size) <= own_bytes;
+    const auto bytes = static_cast<std::size_t>(info.st_size);
+    void* const start = own ? ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0)
+                            : ::mmap(nullptr, bytes, PROT_READ, MAP_SHARED, file, 0);
     if (start == MAP_FAILED) {
       status = cannotOpen(path_, std::string("it cannot be mapped: ") + std::strerror(errno));
     } else {
       file_ = static_cast<const std::uint8_t*>(start);
-      mapped_bytes_ = static_cast<std::size_t>(info.st_size);
-      expect(MADV_RANDOM);
+      mapped_bytes_ = bytes;
+      if (own)
+        status = read(file);
+      else
+        expect(MADV_RANDOM);
     }
   }
   ::close(file);
   return status;
+}
+
+Status Index::read(int file) const {
+  for (std::size_t at = 0; at < mapped_bytes_;) {
+    const ssize_t got =
+        ::pread(file, const_cast<std::uint8_t*>(file_) + at, mapped_bytes_ - at, static_cast<off_t>(at));
+    if (got == 0) return damaged(path_, "it was cut while it was read");
+    if (got < 0) return cannotOpen(path_, std::string("it cannot be read: ") + std::strerror(errno));
+    at += static_cast<std::size_t>(got);
+  }
+  return {};
 }
 
 // Opening looks at a few places far apart; reading ahead of each, by megabytes on some machines, would take longer than
@@ -236,10 +253,12 @@ Status Index::locateTables() {
   return {};
 }
 
-Result<std::shared_ptr<const Index>> Index::open(const std::string& path) {
+Result<std::shared_ptr<const Index>> Index::open(const std::string& path) { return open(path, 0); }
+
+Result<std::shared_ptr<const Index>> Index::open(const std::string& path, std::uint64_t own_bytes) {
   const std::shared_ptr<Index> index(new Index);
   index->path_ = path;
-  if (Status status = index->map(); !status.ok()) return status;
+  if (Status status = index->map(own_bytes); !status.ok()) return status;
   index->header_ = reinterpret_cast<const format::Header*>(index->file_);
   if (Status status = index->checkHeader(); !status.ok()) return status;
   const auto* const table = reinterpret_cast<const format::Section*>(index->file_ + sizeof(format::Header));

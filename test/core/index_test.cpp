@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <set>
 
 #include "core/index_fixture.h"
@@ -36,6 +37,18 @@ TEST(Index, HoldsWhatWasWritten) {
   EXPECT_EQ(index->view(2).extents[1], 2);
   EXPECT_EQ(std::vector<std::uint8_t>(index->code(2), index->code(3)), written.views[2].code);
   EXPECT_EQ(index->calibration().score_permille[5], builtInCalibration({}).score_permille[5]);
+}
+
+TEST(Index, InMemoryOfItsOwnOutlivesAFileThatIsCut) {
+  Folder folder;
+  const std::string path = test::writtenIndex(folder, test::randomContent(3, 2, 4, 1))->path();
+  const std::string before = test::readBytes(path);
+  const auto index = Index::open(path, before.size());
+  ASSERT_TRUE(index.ok()) << index.status.sentence;
+  std::filesystem::resize_file(path, 0);  // a mapped one is gone, and with it the process that looks
+  const Span<const std::uint8_t> held = index.value->file();
+  EXPECT_EQ(std::string(held.begin(), held.end()), before);
+  EXPECT_TRUE(index.value->verify().ok());
 }
 
 TEST(Index, NamesOfUnknownNumbersAreEmpty) {

@@ -192,11 +192,20 @@ TEST_F(Chain, IndexMayAppearAndBeReplacedWhileFramesCome) {
   EXPECT_TRUE(eventually(5, sees("carton")));
   EXPECT_GT(labelled(*objects, "carton")->number, number) << "a number was used again";
 
+  // Cut, and then written over, as `cp` and `scp` do.
+  std::filesystem::resize_file(index_path_, 1);
+  EXPECT_TRUE(sees("carton")());
+  const std::filesystem::path other = index_path_.string() + ".other";
+  test::writeSceneIndex(other, "crate");
+  std::filesystem::copy_file(other, index_path_, std::filesystem::copy_options::overwrite_existing);
+  std::filesystem::remove(other);
+  EXPECT_TRUE(eventually(5, sees("crate")));
+
   // Damage is not taken over: the index that was there answers on.
   std::filesystem::remove(index_path_);
   std::fclose(std::fopen(index_path_.c_str(), "w"));
   ros::WallDuration(1.2).sleep();
-  EXPECT_TRUE(sees("carton")());
+  EXPECT_TRUE(sees("crate")());
 }
 
 TEST_F(Chain, SaysWhyThereIsNothing) {

@@ -17,12 +17,16 @@ namespace voxid {
 
 /// A .vxi file, mapped read-only and shared between processes through the page cache. Opening checks the header, the
 /// section table and every size, count and range that a later read relies on, and reads nothing else; a file replaced
-/// by rename keeps being read in its old form. Thread-safe: everything is const.
+/// by rename keeps being read in its old form. One that is cut or written over while it is mapped ends the process.
+/// Thread-safe: everything is const.
 class Index {
  public:
   /// Refuses with one sentence: CannotDo for a missing or unreadable file, another major version, foreign descriptor
   /// parameters; Damaged for an empty or cut file, a wrong header sum, a range that leaves the file.
   static Result<std::shared_ptr<const Index>> open(const std::string& path);
+  /// The same, but a file of at most `own_bytes` is read as a whole into memory of the index's own: whatever happens to
+  /// the file later changes nothing.
+  static Result<std::shared_ptr<const Index>> open(const std::string& path, std::uint64_t own_bytes);
   ~Index();
   Index(const Index&) = delete;
   Index& operator=(const Index&) = delete;
@@ -98,7 +102,8 @@ class Index {
 
  private:
   Index() = default;
-  Status map();
+  Status map(std::uint64_t own_bytes);
+  Status read(int file) const;
   Status checkHeader() const;
   Status checkSections() const;
   Status checkParameters() const;
