@@ -54,7 +54,7 @@ std::uint32_t headerSum(const std::uint8_t* file, const format::Header& header) 
 }  // namespace
 
 Status Index::map(std::uint64_t own_bytes) {
-  const int file = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
+  const int file = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe would wait for a writer
   if (file < 0) return cannotOpen(path_, std::string(std::strerror(errno)) + "; make one with `voxid build`");
   struct stat info {};
   Status status;

@@ -120,6 +120,9 @@ TEST(DamagedIndex, MissingEmptyOrNoFile) {
   EXPECT_EQ(missing.kind, Status::Kind::CannotDo);
   EXPECT_NE(missing.sentence.find("No such file"), std::string::npos) << missing.sentence;
   EXPECT_EQ(Index::open(folder.path()).status.kind, Status::Kind::CannotDo);
+  const std::string pipe = folder.file("pipe.vxi");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_NE(Index::open(pipe).status.sentence.find("not a regular file"), std::string::npos);
   expectRefused("", Status::Kind::Damaged, "is empty");
   expectRefused("no index at all, but a text that is longer than a header of 64 bytes.......", Status::Kind::Damaged,
                 "does not begin like a voxid index");
