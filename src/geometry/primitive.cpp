@@ -88,9 +88,10 @@ struct Cylinder {
 class Silhouette {
  public:
   Silhouette(const Samples& samples, int axis) {
+    constexpr float kFarthest_um = 1e9f;  // differences stay below 2^31, whatever the intrinsics
     std::array<Point2, kMostSamples> points;
     for (std::size_t i = 0; i < samples.size; ++i) {
-      const Vector3f um = samples.points[i] * 1e6f;
+      const Vector3f um = (samples.points[i] * 1e6f).cwiseMin(kFarthest_um).cwiseMax(-kFarthest_um);
       points[i] = {static_cast<std::int32_t>(um[(axis + 1) % 3]), static_cast<std::int32_t>(um[(axis + 2) % 3])};
     }
     std::sort(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(samples.size),

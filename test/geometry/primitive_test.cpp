@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "rendered.h"
@@ -89,6 +90,17 @@ TEST(Primitive, WithoutDepthIsTheBox) {
     EXPECT_EQ(found.centre_m, box.centre_m);
     EXPECT_EQ(found.size_m, box.size_m);
   }
+}
+
+/// As sanitizers watch: points as far as they can be.
+TEST(Primitive, OfPointsKilometresAwayIsTheBox) {
+  const test::Image image{6, 6, std::vector<std::uint16_t>(36, 1000), Camera::fromPixels(1e-4, 1e-4, 2.5, 2.5)};
+  std::vector<std::uint32_t> pixels(36);
+  std::iota(pixels.begin(), pixels.end(), 0u);
+  const OrientedBox box{{-1000, 1000, 1}, Eigen::Matrix3f::Identity(), {0.1f, 0.1f, 0.1f}};
+  const Primitive found = primitiveOf(image.view(), {pixels.data(), pixels.size()}, box);
+  EXPECT_EQ(found.kind, PrimitiveKind::Box);
+  EXPECT_NEAR(found.misfit_mm, 10, 1e-3);
 }
 
 std::vector<Vector3f> outlineOf(int corners, float radius_m, float depth_m) {
