@@ -15,6 +15,7 @@ import multiprocessing.resource_tracker
 import os
 import pathlib
 import re
+import shutil
 import signal
 import socket
 import subprocess
@@ -96,7 +97,9 @@ def locked_parts(out, resume):
             raise Failure(f"another build of {out} is running; wait for it, or choose another name",
                           CANNOT_DO) from None
         for path in () if resume else parts.iterdir():
-            if path.name != "lock":
+            if path.is_dir():  # of `voxid add` that was killed
+                shutil.rmtree(path)
+            elif path.name != "lock":
                 path.unlink()
         yield
 

@@ -2,6 +2,7 @@
 #include "file_beside.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -11,6 +12,11 @@
 namespace voxid {
 
 FileBeside::FileBeside(std::string path) : path_(std::move(path)) {
+  struct stat there {};
+  if (::stat(path_.c_str(), &there) == 0 && !S_ISREG(there.st_mode)) {
+    error_ = S_ISDIR(there.st_mode) ? EISDIR : EEXIST;  // a device, which a rename would do away with
+    return;
+  }
   constexpr int kTries = 100;
   int file = -1;
   for (int i = 0; i < kTries && file < 0; ++i) {

@@ -185,11 +185,9 @@ Status writeMerged(const Sources& sources, Clash clash, const std::string& out) 
 class WriterLock {
  public:
   ~WriterLock() {
-    if (held_ && !was_there_) parts_.remove();
+    if (held_ && !parts_.hasModels()) parts_.remove();
   }
   Status lock(const std::string& index) {
-    std::error_code ignored;
-    was_there_ = std::filesystem::exists(index + ".parts", ignored);
     const Status status = parts_.open(index, true);
     held_ = status.ok();
     return status;
@@ -197,7 +195,7 @@ class WriterLock {
 
  private:
   PartsFolder parts_;
-  bool held_ = false, was_there_ = false;
+  bool held_ = false;
 };
 
 /// Which models `wanted` names.
@@ -258,6 +256,7 @@ Status removeModels(const std::string& path, const std::vector<std::string>& wan
 }
 
 Status mergeIndices(const std::vector<std::string>& paths, const std::string& out, Clash clash) {
+  if (paths.empty()) return Status::badUse("no index to merge is given");
   WriterLock lock;
   const Status status = lock.lock(out);
   if (!status.ok()) return status;

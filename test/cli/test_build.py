@@ -101,6 +101,28 @@ def test_a_killed_build_goes_on_and_gives_the_same_bytes(voxid, models, out, exp
     assert nothing_left_beside(out)
 
 
+@pytest.mark.parametrize("left", ["{}.new-7-0", "{}.parts/draft.vxi.new-7-0", "{}.parts/added.vxi.parts/0.shard"])
+@pytest.mark.parametrize("resume", [[], ["--resume"]], ids=["anew", "resumed"])
+def test_what_killed_runs_left_is_removed(voxid, models, out, expected, left, resume):
+    stray = pathlib.Path(left.format(out))
+    stray.parent.mkdir(parents=True, exist_ok=True)
+    stray.write_text("half of an index")
+    assert build(voxid, models, out, *resume).code == 0
+    assert out.read_bytes() == expected
+    assert nothing_left_beside(out)
+
+
+def test_only_a_file_is_replaced(voxid, models, out, tmp_path):
+    """A rename would do away with a device as well; a folder it refuses, but only after all models are rendered."""
+    os.mkfifo(out)
+    build(voxid, models, out).refuses(1, out, "no regular file")
+    assert out.is_fifo() and nothing_left_beside(out)
+    build(voxid, models, tmp_path / "out").refuses(1, tmp_path / "out", "is a folder")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["out"]
+    voxid("train", "--models", models, "-o", out).refuses(1, out, "no regular file")
+    assert out.is_fifo()
+
+
 def limited(kib, models, out):
     """The command line of a build that may write no file larger than `kib`, as on a full disk."""
     command = ["bash", "-c", 'ulimit -f "$0" && exec "$@"', kib, PROGRAM, "build", "--models", models, "--out", out,

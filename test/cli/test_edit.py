@@ -111,6 +111,19 @@ def test_two_writers_do_not_meet(voxid, files, tmp_path):
     assert (parts / "0123.shard").exists()
 
 
+def test_what_killed_runs_left_is_removed(voxid, files, tmp_path):
+    index = copied(files[0], tmp_path)
+    added = tmp_path / (index.name + ".parts") / "added.vxi.parts"
+    added.mkdir(parents=True)
+    for left in (added / "0123.shard", added.parent / "draft.vxi.new-7-0", tmp_path / (index.name + ".new-7-0")):
+        left.write_text("half of it")
+    others = [tmp_path / name for name in ("other" + index.name + ".new-7-0", index.name + ".new-shelf")]
+    for other in others:
+        other.write_text("somebody's")
+    assert voxid("remove", index, "cube").code == 0
+    assert sorted(tmp_path.iterdir()) == sorted([index, *others])
+
+
 def test_a_damaged_index_is_not_edited(voxid, files, tmp_path):
     index = copied(files[0], tmp_path)
     data = bytearray(index.read_bytes())

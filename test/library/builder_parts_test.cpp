@@ -2,12 +2,18 @@
 // The parts of the builder that its command line (test/cli/test_build.py) does not show.
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <thread>
+#include <vector>
 
 #include "../../src/library/calibrate.h"
+#include "../../src/library/parts_folder.h"
 #include "../../src/library/random.h"
 #include "../../src/library/shard.h"
 #include "../../src/library/worker_pool.h"
@@ -34,6 +40,32 @@ TEST(Random, NormalHasMeanZeroAndDeviationOne) {
   }
   EXPECT_NEAR(sum / kDraws, 0, 0.01);
   EXPECT_NEAR(squares / kDraws, 1, 0.01);
+}
+
+TEST(PartsFolder, IsHeldByOneThoughOthersEndMeanwhile) {
+  const fs::path folder = fs::path(testing::TempDir()) / ("voxid_parts_" + std::to_string(::getpid()));
+  fs::create_directories(folder);
+  const std::string out = (folder / "x.vxi").string();
+  std::atomic<int> holders{0}, most{0}, turns{0};
+  const auto work = [&] {
+    for (int i = 0; i < 3000; ++i) {
+      PartsFolder parts;
+      if (!parts.open(out, true).ok()) continue;
+      most = std::max(most.load(), ++holders);
+      std::ofstream(parts.path() + "/0.shard") << "a model";
+      EXPECT_TRUE(parts.hasModels());
+      ++turns;
+      --holders;
+      parts.remove();
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 4; ++i) threads.emplace_back(work);
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(most, 1);
+  EXPECT_GT(turns, 0);
+  EXPECT_TRUE(fs::is_empty(folder));
+  fs::remove_all(folder);
 }
 
 TEST(FitCalibration, PoolsWhatFallsAndFillsWhatIsEmpty) {
