@@ -16,6 +16,7 @@
 #include "segment_choice.h"
 #include "voxid/core/coarse.h"
 #include "voxid/geometry/segmenter.h"
+#include "written_files.h"
 
 namespace voxid::cli {
 namespace {
@@ -236,6 +237,7 @@ Status run(const Options& options) {
   if (!params.ok()) return params.status;
   const auto up = options.segment.up();
   if (!up.ok()) return up.status;
+  if (const Status free = checkWritten(options.files, options.labels, options.plot); !free.ok()) return free;
   const auto index = Index::open(options.index);
   if (!index.ok()) return index.status;
   if (const Status fits = options.search.check(*index.value); !fits.ok()) return fits;

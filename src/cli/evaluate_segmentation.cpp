@@ -203,7 +203,7 @@ void addScene(const std::string& name, const Scene& scene, const cv::Mat& labels
   }
 }
 
-Status visitScenes(const std::string& folder, const std::function<void(const LabelledScene&)>& visit) {
+Status visitScenes(const std::string& folder, const std::function<void(const LabelledScene&)>& visit) try {
   const Result<json> truth = readTruth(std::filesystem::path(folder) / "objects.json");
   if (!truth.ok()) return truth.status;
   for (const auto& [name, entry] : truth.value.items()) {
@@ -212,6 +212,8 @@ Status visitScenes(const std::string& folder, const std::function<void(const Lab
     visit(scene.value);
   }
   return {};
+} catch (const json::exception& error) {
+  return Status::damaged(folder + "/objects.json: " + error.what());
 }
 
 Result<SegmentationScore> evaluateFolder(const std::string& folder, const SegmentParams& params, bool timing) {

@@ -182,6 +182,9 @@ Status renderTable(const Options& options) {
     return Status::badUse("--sizes has " + std::to_string(sizes) + " numbers for " +
                           std::to_string(options.models.size()) + " models; give one a model, or one for all");
   }
+  if (!options.labels.empty() && fs::weakly_canonical(frameName(options, options.labels, 0)) ==
+                                     fs::weakly_canonical(frameName(options, options.out, 0)))
+    return Status::badUse("--labels " + options.labels + " would be written over --out; choose another place");
   if (options.frames > 1 && isPng(options.out))
     return Status::badUse("--frames " + std::to_string(options.frames) + " needs a folder as --out, not " +
                           options.out);

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "free_place.h"
+#include "written_files.h"
 
 namespace voxid::cli {
 namespace {
@@ -177,7 +178,7 @@ Status writeLabels(const std::string& folder, const std::string& input, const cv
   std::error_code error;
   fs::create_directories(folder, error);
   if (!fs::is_directory(folder)) return Status::cannotDo(folder + ": cannot be made; --labels expects a folder");
-  return writeImage((fs::path(folder) / (fs::path(input).stem().string() + ".png")).string(), labels);
+  return writeImage(labelsPath(folder, input), labels);
 }
 
 cv::Mat drawScene(const DepthView& depth, const Scene& scene) {

@@ -11,8 +11,10 @@
 #include "command.h"
 #include "depth_file.h"
 #include "evaluate_segmentation.h"
+#include "recogniser.h"
 #include "scene_json.h"
 #include "segment_choice.h"
+#include "written_files.h"
 
 namespace voxid::cli {
 namespace {
@@ -49,7 +51,7 @@ void print(const Options& options, const std::string& file, const Scene& scene, 
   }
   Json j = toJson(file, scene);
   if (options.timing) j["segment_ms"] = segment_ms;
-  std::cout << j.dump() << "\n";
+  std::cout << lineOf(j);
 }
 
 Status writePictures(const Options& options, const DepthFile& file, const Scene& scene) {
@@ -79,6 +81,7 @@ Result<SceneStatus> segmentFile(const Options& options, const std::string& path,
 Status segmentFiles(const Options& options, const SegmentParams& params) {
   const auto up = options.segment.up();
   if (!up.ok()) return up.status;
+  if (const Status free = checkWritten(options.files, options.labels, options.plot); !free.ok()) return free;
   Segmenter segmenter;
   std::vector<SceneStatus> statuses;
   for (const std::string& path : options.files) {
@@ -93,7 +96,7 @@ Status segmentFiles(const Options& options, const SegmentParams& params) {
 Status evaluate(const Options& options, const SegmentParams& params) {
   const Result<SegmentationScore> score = evaluateFolder(options.evaluate, params, options.timing);
   if (!score.ok()) return score.status;
-  std::cout << (options.json ? toJson(score.value).dump() + "\n" : toTable(score.value));
+  std::cout << (options.json ? lineOf(toJson(score.value)) : toTable(score.value));
   return {};
 }
 
@@ -123,7 +126,7 @@ Run addSegment(CLI::App& app) {
   app.add_option("--evaluate", options->evaluate,
                  "Compare with the labels of DIR (objects.json, NAME_depth.png, NAME_labels.png)")
       ->type_name("DIR")
-      ->excludes("--up");
+      ->excludes("--up", "--camera", "--labels", "--plot");
   return [options] { return run(*options); };
 }
 

@@ -139,6 +139,14 @@ def test_plots_are_pictures(voxid, index, views, scene, tmp_path):
     voxid("classify", images[0], "--index", index, "--plot", tmp_path / "no" / "a.png").refuses(1, "no/a.png")
 
 
+def test_nothing_is_written_over_a_frame(voxid, index, scene):
+    frame = scene.read_bytes()
+    classify = ("classify", scene, "--index", index)
+    voxid(*classify, "--scene", "--labels", scene.parent).refuses(2, scene)
+    voxid(*classify, "--plot", scene).refuses(2, scene)
+    assert scene.read_bytes() == frame
+
+
 def test_a_scene_is_a_table_with_named_objects(voxid, index, scene, tmp_path):
     line = voxid("classify", scene, "--scene", "--index", index, "--json", "--labels", tmp_path / "labels").json
     assert line["file"] == str(scene) and line["status"] == "OK"

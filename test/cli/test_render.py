@@ -73,6 +73,14 @@ def test_a_table_with_models_and_its_truth(voxid, models, tmp_path):
         assert found["pixels"] > 0.8 * max((inside == label).sum() for label in (1, 2, 3))
 
 
+def test_the_truth_is_not_written_over_the_frames(voxid, models, tmp_path):
+    table = ("render", "--table", "--models", models / "cube" / "cube_a.ply", "--sizes", 10)
+    for out, labels in ((tmp_path, tmp_path / "."), (tmp_path / "x.png", tmp_path / "x.png"),
+                        (tmp_path / "frame_0000.png", tmp_path)):
+        voxid(*table, "--out", out, "--labels", labels).refuses(2, "--labels", labels)
+    assert not list(tmp_path.iterdir())
+
+
 def test_bad_use(voxid, models, tmp_path):
     cube = models / "cube" / "cube_a.ply"
     voxid("render", "--out", tmp_path).refuses(2, "which mesh")

@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """voxid segment: what it prints, draws and writes, and how it ends."""
+import json
 import os
 import pathlib
+import shutil
 import subprocess
 
 import cv2
 import numpy as np
 import pytest
 
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = ROOT / os.environ.get("VOXID", pathlib.Path(os.environ.get("VOXID_BUILD", "build")) / "bin" / "voxid")
 MOSD = pathlib.Path("../shared/data/scenes/mosd")
 CAMERA = "525,525,319.5,239.5"
 
@@ -125,9 +129,40 @@ def test_plot(voxid, block, scene, tmp_path):
     voxid("segment", block, "--plot", tmp_path / "none" / "x.png").refuses(1, "x.png")
 
 
-def test_bad_use(voxid):
+def test_nothing_is_written_over_a_frame_or_over_what_another_frame_gave(voxid, block, tmp_path):
+    frame = block.read_bytes()
+    voxid("segment", block, "--labels", block.parent).refuses(2, block, "a frame itself")
+    voxid("segment", block, "--plot", f"{block.parent}/./{block.name}").refuses(2, block.name, "a frame itself")
+    assert block.read_bytes() == frame
+    others = [tmp_path / name / "block.png" for name in "ab"]
+    for other in others:
+        other.parent.mkdir()
+        other.write_bytes(frame)
+    camera = ("--camera", CAMERA)
+    for option in (("--labels", tmp_path / "l"), ("--plot", tmp_path / "p.png")):
+        voxid("segment", *others, *camera, *option).refuses(2, "block.png", "two frames of one name")
+        assert voxid("segment", others[0], others[0], *camera, *option).code == 0
+    assert (tmp_path / "l/block.png").exists() and (tmp_path / "p-block.png").exists()
+
+
+def test_a_name_that_is_no_utf_8_leaves_the_json_sound(block):
+    name = os.fsencode(block.parent / "block") + b"\xff.png"
+    shutil.copy(block, name)
+    run = subprocess.run([PROGRAM, "segment", name, "--json"], capture_output=True, timeout=60)
+    assert run.returncode == 0 and json.loads(run.stdout)["file"].endswith("block\ufffd.png"), run.stderr
+
+
+def test_bad_use(voxid, tmp_path):
     voxid("segment").refuses(2, "FILES")
     voxid("segment", "--evaluate", "test").refuses(1, "objects.json")
+    for option in ("--camera", "--labels", "--plot"):
+        voxid("segment", "--evaluate", "test", option, CAMERA).refuses(2, option)
+
+
+def test_truth_that_lacks_a_field_is_damaged(voxid, put_labelled_table, tmp_path):
+    put_labelled_table(tmp_path, "one")
+    (tmp_path / "objects.json").write_text('{"one": {"objects": [{"id": 2}]}}')
+    voxid("segment", "--evaluate", tmp_path).refuses(4, tmp_path / "objects.json", "truncated")
 
 
 def needs_mosd():
