@@ -21,6 +21,7 @@ Result<std::vector<std::string>> linesOf(const std::string& path) {
   if (!file) return Status::cannotDo("cannot read " + path);
   std::vector<std::string> lines;
   for (std::string line; std::getline(file, line);) {
+    line.resize(line.find_last_not_of(" \t\r") + 1);  // none: npos + 1 = 0
     if (!line.empty() && line[0] != '#') lines.push_back(line);
   }
   return lines;

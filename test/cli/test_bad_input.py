@@ -54,6 +54,12 @@ def test_help_is_everywhere(voxid, command):
     assert answer.code == 0 and "Usage:" in answer.out and answer.err == ""
 
 
+def test_a_pipe_is_no_index(voxid, tmp_path):
+    """Nobody writes to it: it must not be waited for."""
+    os.mkfifo(tmp_path / "pipe.vxi")
+    voxid("info", tmp_path / "pipe.vxi", timeout=20).refuses(1, "pipe.vxi", "not a regular file")
+
+
 def test_version(voxid):
     answer = voxid("--version")
     assert answer.code == 0 and answer.out.startswith("voxid ") and answer.out.count(".") == 2

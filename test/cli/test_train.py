@@ -39,7 +39,7 @@ def test_the_bytes_do_not_depend_on_jobs(voxid, models, projection, tmp_path):
 
 
 def test_categories_can_be_left_out(voxid, models, tmp_path):
-    (tmp_path / "without.txt").write_text("# not these\ncube\nrod\n")
+    (tmp_path / "without.txt").write_bytes(b"# not these\r\ncube\r\n\r\nrod \n")
     answer = voxid("train", "--models", models, "-o", tmp_path / "x.vxp", "--without", tmp_path / "without.txt",
                    "--lists", 8)
     assert answer.code == 0 and "320 views of 4 models in 4 categories" in answer.err
