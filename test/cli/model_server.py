@@ -131,6 +131,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
         code, headers = 200, [("ETag", '"1"')] if habits.get("etag", True) else []
         if self.headers.get("If-Range") == '"1"':
             first = int(self.headers["Range"][len("bytes="):-1])
+            if first >= len(data):
+                return self.send_json({}, 416, [("Content-Range", f"bytes */{len(data)}")])
             code, headers = 206, headers + [("Content-Range", f"bytes {first}-{len(data) - 1}/{len(data)}")]
         wanted = habits.get("sum", hashlib.sha256(data).digest())
         headers.append(("Digest", "sha-256=" + base64.b64encode(wanted).decode()))

@@ -56,6 +56,19 @@ def test_gltf_takes_its_buffers_into_the_library_and_builds_there(voxid, acquire
     assert answer.lines[-1]["models"] == 2 and answer.lines[-1]["skipped"] == [], answer.err
 
 
+def test_files_of_one_name_in_two_folders_are_two_models(voxid, acquire, folder, tmp_path):
+    solids.write_ply(folder / "mug" / "0001.ply", TIN)
+    other = tmp_path / "other"
+    solids.write_ply(other / "mug" / "0001.ply", CONE)
+    (folder / "mug" / "0001.stl").write_text("the same model in another format is not looked at")
+    acquire("--source", other)
+    kept = sorted(path.name for path in (tmp_path / "lib/mug").glob("*.ply"))
+    assert len(kept) == 2 and kept[0] == "folder_mug_0001.ply" and kept[1].startswith("folder_mug_0001_"), kept
+    assert acquire("--source", other) == {}  # all known
+    solids.write_ply(other / "mug" / "0001.ply", solids.ball())
+    assert len(acquire("--source", other)) == 1
+
+
 def scene_of_two_buffers(mesh, uri):
     """Vertices in the file's own buffer, triangles in the one at `uri`; (scene, own buffer, other one)."""
     scene, data = scene_of(mesh)

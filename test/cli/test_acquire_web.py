@@ -77,6 +77,20 @@ def test_what_came_waits_for_the_next_run(acquire, tmp_path):
     assert (tmp_path / "lib/mug/sketchfab_a1.glb").read_bytes() == data
 
 
+def test_what_came_whole_before_a_run_was_killed_is_fetched_anew(acquire, tmp_path):
+    data = glb(BALL)
+    parts = tmp_path / "lib/.parts"
+    parts.mkdir(parents=True)
+    (parts / "a1.glb.part").write_bytes(data)
+    (parts / "a1.glb.etag").write_text('"1"')
+    with Server([Model("a1", "mug", data)]) as server:
+        answer, _ = acquire(server)
+        assert answer.code == 0, answer.out
+        assert ranges_of(server) == [f"bytes={len(data)}-", None]
+    assert (tmp_path / "lib/mug/sketchfab_a1.glb").read_bytes() == data
+    assert not list(parts.iterdir())
+
+
 # What is wrong with a model: the model, what its line says, whether that settles it.
 ODD = {
     "bomb": (gltf_zip(TIN, **{"scene.bin": b"\0" * (8 << 20)}), "gltf", {}, "unpacks to more than the limit", True),

@@ -32,7 +32,8 @@ class Gatherer:
 
     def gather(self, sources, queries, synsets, most):
         """At most so many candidates, of all sources in turn, each judged."""
-        seen = {key.rsplit(".", 1)[0] for key, _ in self._library.models(self._category)}
+        seen = {key.rsplit(".", 1)[0]: (key.rsplit(".", 1)[1], note.get("sha256", ""))
+                for key, note in self._library.models(self._category) if "." in key}
         found = []
         for where in sources:
             try:
@@ -51,15 +52,27 @@ class Gatherer:
     def _of(self, where, queries, synsets, seen):
         in_a_row = 0
         for candidate in map(source.printable, where.search(queries, synsets)):
-            key = f"{self._category}/{where.name}_{candidate.id}"
-            if key in seen:
+            key = self._key_of(where, candidate, seen)
+            if key is None:
                 continue
-            seen.add(key)
             one = self._fetch_and_judge(where, candidate, f"{key}.{candidate.format}")
+            seen[key] = candidate.format, one.digest
             yield one
             in_a_row = 0 if one.settled else in_a_row + 1
             if in_a_row == FAILURES_IN_A_ROW:
                 raise Failure(f"given up after {in_a_row} failures in a row; the last: {one.verdict.reason}")
+
+    def _key_of(self, where, candidate, seen):
+        """Its place in the library, without the ending; None if it is among `seen` (key -> format, SHA-256). Where
+        another file has its name, of another folder perhaps, it gets a sum too."""
+        key = f"{self._category}/{where.name}_{candidate.id}"
+        if key not in seen:
+            return key
+        format_, digest = seen[key]
+        if format_ != candidate.format or not digest:
+            return None
+        own = where.digest(candidate)
+        return f"{key}_{own[:8]}" if own and (format_, own) not in seen.values() else None
 
     def _fetch_and_judge(self, where, candidate, key):
         mesh = self._folder / f"{len(list(self._folder.iterdir()))}.{candidate.format}"

@@ -10,6 +10,7 @@ import zlib
 
 from voxid.acquire import gltf, source
 from voxid.acquire.archive import format_in, unpack_mesh
+from voxid.acquire.library import checksum
 from voxid.failure import DAMAGED, Failure
 
 # Which of several files of one model is taken.
@@ -112,6 +113,14 @@ class Folder(OnDisk):
             query = next(filter(None, (source.query_for(title, queries) for title in titles)), None)
             if query is not None:
                 yield self.candidate(path, id_of(str(inner.with_suffix("")), taken), path.stem, query)
+
+    def digest(self, candidate):
+        if candidate.place.suffix.lower() == ".zip" or candidate.format in gltf.FORMATS:
+            return ""
+        try:
+            return checksum(candidate.place)
+        except OSError:
+            return ""
 
 
 class ShapeNet(OnDisk):

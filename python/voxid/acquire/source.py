@@ -20,6 +20,10 @@ class Source:
         """Candidates, each once, in an order that does not change. `synsets` are the meaning and its hyponyms."""
         raise NotImplementedError
 
+    def digest(self, candidate):
+        """SHA-256 of what `fetch` will write; empty if only that tells."""
+        return ""
+
     def fetch(self, candidate, target, limit_bytes):
         """Writes the model's mesh to `target`; raises Failure if it cannot, or if it is larger than the limit."""
         raise NotImplementedError

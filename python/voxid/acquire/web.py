@@ -119,7 +119,15 @@ class Web:
 
     def _more(self, remote, part, limit_bytes, deadline):
         headers = {"Range": f"bytes={part.size()}-", "If-Range": part.etag} if part.resumable() else {}
-        with self._open(remote.url, "", headers) as answer:
+        try:
+            answer = self._open(remote.url, "", headers)
+        except urllib.error.HTTPError as error:
+            if error.code != 416:
+                raise
+            error.close()
+            part.drop()  # nothing comes after it: a run was killed between its last byte and its end
+            raise Again(f"{host_of(remote.url)}: 416, {error.reason}") from None
+        with answer:
             part.begin(answer)
             self._copy(answer, part, limit_bytes, deadline, host_of(remote.url))
         if part.expected is not None and part.size() != part.expected:
