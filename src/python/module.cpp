@@ -241,15 +241,17 @@ py::array codesOf(const std::shared_ptr<PyIndex>& self) {
   return codes;
 }
 
-std::vector<std::string> categoriesOf(const PyIndex& self) {
-  std::vector<std::string> names;
-  for (std::uint32_t i = 0; i < self.index().categories().size; ++i) names.emplace_back(self.index().categoryName(i));
+std::vector<py::str> categoriesOf(const PyIndex& self) {
+  std::vector<py::str> names;
+  for (std::uint32_t i = 0; i < self.index().categories().size; ++i)
+    names.push_back(textOf(std::string(self.index().categoryName(i))));
   return names;
 }
 
-std::vector<std::string> modelsOf(const PyIndex& self) {
-  std::vector<std::string> names;
-  for (std::uint32_t i = 0; i < self.index().models().size; ++i) names.emplace_back(self.index().modelName(i));
+std::vector<py::str> modelsOf(const PyIndex& self) {
+  std::vector<py::str> names;
+  for (std::uint32_t i = 0; i < self.index().models().size; ++i)
+    names.push_back(textOf(std::string(self.index().modelName(i))));
   return names;
 }
 

@@ -180,6 +180,17 @@ def test_indices_are_merged_as_by_the_command_line(voxid, models, tmp_path):
         voxid_module.merge([halves[0], halves[0]], tmp_path / "out.vxi")
     voxid_module.merge([halves[0], halves[0]], tmp_path / "out.vxi", replace=True)
     assert (tmp_path / "out.vxi").read_bytes() == halves[0].read_bytes()
+    with pytest.raises(ValueError, match="no index"):
+        voxid_module.merge([], tmp_path / "none.vxi")
+
+
+def test_names_that_are_no_utf_8_can_be_read(models, tmp_path):
+    category = os.fsencode(tmp_path / "in") + b"/m\xfcg"
+    os.makedirs(category)
+    shutil.copy(models / "cube" / "cube_a.ply", category + b"/a\xff.ply")
+    voxid_module.build(tmp_path / "in", tmp_path / "x.vxi", views_every=40)
+    index = voxid_module.Index.open(tmp_path / "x.vxi")
+    assert (index.categories, index.models) == (["m\ufffdg"], ["a\ufffd"])
 
 
 @pytest.mark.parametrize("error, options, words", [
