@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "looks.h"
@@ -21,10 +22,24 @@ constexpr PoseRefiner::Schedule fineSchedule(int steps) { return {steps, 0.04f, 
 constexpr float kAlikeMisfit = 0.01f;
 /// Variance of an angle that may be any, in radians squared.
 constexpr float kAnyAngle = 3.2898681f;
+constexpr std::array<float, 2> kTriedAngles{-0.35f, 0.35f};  // 20 degrees
 
 Placement turnedAbout(const Vector3f& axis, float angle, Placement pose) {
   pose.rotation = Eigen::AngleAxisf(angle, axis).toRotationMatrix() * pose.rotation;
   return pose;
+}
+
+float angleBetween(const Placement& a, const Placement& b) {
+  return Eigen::AngleAxisf(Eigen::Matrix3f(a.rotation.transpose() * b.rotation)).angle();
+}
+
+/// Turned by any angle the model fits as well; its box's centre goes round at `arm_mm` from the axis.
+void setFree(const Vector3f& axis, float arm_mm, Alignment& found) {
+  const Eigen::Matrix3f along = axis * axis.transpose();
+  found.rotation_known = false;
+  found.free_axis = axis;
+  found.covariance.block<3, 3>(0, 0) += arm_mm * arm_mm * (Eigen::Matrix3f::Identity() - along);
+  found.covariance.block<3, 3>(3, 3) += kAnyAngle * along;
 }
 
 }  // namespace
@@ -39,6 +54,8 @@ struct Aligner::Workspace {
   Alignment refined(const AlignableModel& model, const Sketch& sketch);
   void findFreeAxis(const AlignableModel& model, Alignment& found);
   bool turnsFreely(const AlignableModel& model, const Alignment& found, const Vector3f& axis);
+  void turnOnTable(const AlignableModel& model, Alignment& found);
+  bool fitsAsWell(const AlignableModel& model, const Placement& pose, const Alignment& found);
 };
 
 Alignment Aligner::Workspace::refined(const AlignableModel& model, const Sketch& sketch) {
@@ -56,23 +73,37 @@ Alignment Aligner::Workspace::refined(const AlignableModel& model, const Sketch&
   return result;
 }
 
+bool Aligner::Workspace::fitsAsWell(const AlignableModel& model, const Placement& pose, const Alignment& found) {
+  return refiner.judge(model.surface(), fine, support, pose).misfit < found.misfit + kAlikeMisfit;
+}
+
 /// Tried out: facets and noise make a bottle's rotation look known to the equations.
 bool Aligner::Workspace::turnsFreely(const AlignableModel& model, const Alignment& found, const Vector3f& axis) {
-  constexpr float kTried[] = {-0.35f, 0.35f};  // 20 degrees
-  return std::all_of(std::begin(kTried), std::end(kTried), [&](float angle) {
-    const Placement turned = turnedAbout(axis, angle, found.pose);
-    return refiner.judge(model.surface(), fine, support, turned).misfit < found.misfit + kAlikeMisfit;
-  });
+  return std::all_of(kTriedAngles.begin(), kTriedAngles.end(),
+                     [&](float angle) { return fitsAsWell(model, turnedAbout(axis, angle, found.pose), found); });
+}
+
+/// Turned on the table either way and refined, does it fit as well without turning back? Then what would tell is
+/// hidden, as a mug's handle is that lies behind it. One way is enough: what was found may be at the end of what is
+/// hidden.
+void Aligner::Workspace::turnOnTable(const AlignableModel& model, Alignment& found) {
+  constexpr PoseRefiner::Schedule kFewSteps{4, 0.02f, 0.008f};
+  constexpr float kTurnedBack = 0.12f;  // 7 degrees
+  for (const float angle : kTriedAngles) {
+    Placement turned = turnedAbout(support.normal, angle, found.pose);
+    refiner.refine(model.surface(), fine, support, kFewSteps, params.outline, turned);
+    const float by = angleBetween(turned, found.pose);
+    if (by < kTurnedBack || !fitsAsWell(model, turned, found)) continue;
+    return setFree(support.normal, (turned.translation - found.pose.translation).norm() / by, found);
+  }
 }
 
 void Aligner::Workspace::findFreeAxis(const AlignableModel& model, Alignment& found) {
-  for (int i = 0; i < 3 && found.rotation_known; ++i) {
+  for (int i = 0; i < 3; ++i) {
     const Vector3f axis = found.pose.rotation.col(i);
-    if (!turnsFreely(model, found, axis)) continue;
-    found.rotation_known = false;
-    found.free_axis = axis;
-    found.covariance.block<3, 3>(3, 3) += kAnyAngle * axis * axis.transpose();
+    if (turnsFreely(model, found, axis)) return setFree(axis, 0, found);
   }
+  if (!support.normal.isZero()) turnOnTable(model, found);
 }
 
 Aligner::Aligner(const AlignParams& params) : workspace_(std::make_unique<Workspace>()) { workspace_->params = params; }

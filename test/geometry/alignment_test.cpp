@@ -109,6 +109,44 @@ TEST(Alignment, ABottleMayStandTurnedByAnyAngle) {
   EXPECT_LT(across.dot(rotation * across), 0.01f);
 }
 
+/// On a table, seen from 35 degrees above. `handle`: low and high corner.
+Alignment alignedMug(const Mesh::Vertex& low, const Mesh::Vertex& high) {
+  Mesh mesh;
+  test::addCylinder(mesh, 40, 0, 95);
+  test::addBox(mesh, low, high);
+  const Placement truth = placed(180 + 35, 0, 0, {0, 0, 700}, 140);
+  const Seen seen = look(mesh, truth);
+  const AlignableModel model(surfaceOf(mesh), directions());
+  ObservedObject object = seen.object();
+  object.support.normal = truth.rotation.col(1);
+  float lowest = std::numeric_limits<float>::max();
+  for (const Vector3f& p : model.surface().vertices) lowest = std::min(lowest, object.support.normal.dot(truth(p)));
+  object.support.distance_mm = -lowest;
+  Aligner aligner;
+  aligner.observe(object);
+  return aligner.align(model);
+}
+
+TEST(Alignment, AHandleBehindItsMugMayPointElsewhere) {
+  const Alignment found = alignedMug({-6, 20, -70}, {6, 80, -35});
+  ASSERT_TRUE(found.found);
+  EXPECT_FALSE(found.rotation_known);
+  EXPECT_GT(std::abs(found.free_axis.dot(found.pose.rotation.col(1))), 0.99f);
+  const Matrix3f rotation = found.covariance.block<3, 3>(3, 3), place = found.covariance.block<3, 3>(0, 0);
+  EXPECT_GT(found.free_axis.dot(rotation * found.free_axis), 3);
+  // The box's centre lies 15 mm from the body's axis and goes round it.
+  const Vector3f across = found.free_axis.cross(Vector3f::UnitX()).normalized();
+  EXPECT_GT(std::sqrt(across.dot(place * across)), 7);
+}
+
+TEST(Alignment, AHandleThatIsSeenTellsTheRotation) {
+  const Alignment found = alignedMug({35, 20, -6}, {70, 80, 6});
+  ASSERT_TRUE(found.found);
+  EXPECT_TRUE(found.rotation_known);
+  const Matrix3f rotation = found.covariance.block<3, 3>(3, 3);
+  EXPECT_LT(rotation.trace(), 0.01f);
+}
+
 TEST(Alignment, NothingReachesBelowTheTable) {
   const Mesh mesh = test::box(60, 120, 40);
   const Placement truth = placed(-160, 30, 0, {0, 0, 800}, 150);

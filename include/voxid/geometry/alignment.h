@@ -86,8 +86,10 @@ struct Alignment {
   float fit_mm = 0;     ///< median distance of those from the model's surface
   PoseCovariance covariance = PoseCovariance::Zero();  ///< of the errors' distribution, from residuals and geometry,
                                                        ///< about this pose; how honest: doc/pose.md
-  bool rotation_known = true;                          ///< false: turned about `free_axis` the model fits as well
-  Eigen::Vector3f free_axis{0, 0, 0};  ///< unit, camera frame, through the box centre; zero if rotation_known
+  bool rotation_known = true;          ///< false: turned about `free_axis` the model fits as well, or what would tell
+                                       ///< is hidden (a mug's handle behind it)
+  Eigen::Vector3f free_axis{0, 0, 0};  ///< unit, camera frame, through the box centre: an axis of the model, or the
+                                       ///< normal of the support; zero if rotation_known
 };
 
 /// A pose at low resolution.
