@@ -1,7 +1,7 @@
 # Messages, reconfigurable parameters and the catkin package itself.
 set(VOXID_CATKIN_COMPONENTS
-  roscpp nodelet pluginlib message_filters dynamic_reconfigure diagnostic_updater camera_info_manager image_transport cv_bridge
-  tf2_ros std_msgs std_srvs sensor_msgs geometry_msgs shape_msgs visualization_msgs diagnostic_msgs)
+  roscpp nodelet pluginlib message_filters dynamic_reconfigure diagnostic_updater camera_info_manager tf2_ros
+  std_msgs std_srvs sensor_msgs geometry_msgs shape_msgs visualization_msgs diagnostic_msgs)
 find_package(catkin REQUIRED COMPONENTS message_generation ${VOXID_CATKIN_COMPONENTS})
 
 add_message_files(FILES

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "overlay_nodelet.h"
 
-#include <cv_bridge/cv_bridge.h>
-#include <sensor_msgs/image_encodings.h>
+#include <sensor_msgs/fill_image.h>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "conversions.h"
@@ -81,7 +80,12 @@ void OverlayNodelet::onFrame(const sensor_msgs::ImageConstPtr& image, const sens
   const Result<DepthView> depth = viewOf(*image, *info);
   if (!depth.ok() || !fit(*segments, depth.value)) return;
   const cv::Mat drawing = drawOverlay(depth.value, *segments, *objects);
-  overlay_.publish(cv_bridge::CvImage(image->header, sensor_msgs::image_encodings::BGR8, drawing).toImageMsg());
+  const auto message = boost::make_shared<sensor_msgs::Image>();
+  message->header = image->header;
+  sensor_msgs::fillImage(*message, sensor_msgs::image_encodings::BGR8, static_cast<std::uint32_t>(drawing.rows),
+                         static_cast<std::uint32_t>(drawing.cols), static_cast<std::uint32_t>(drawing.step[0]),
+                         drawing.data);
+  overlay_.publish(message);
   health_.frame(image->header.stamp, statusName(objects->status));
   health_.cost(watch.ms(), watch.cpuMs());
 }
