@@ -7,6 +7,7 @@
 
 #include "seconds.h"
 #include "stopwatch.h"
+#include "transform_at.h"
 #include "turns.h"
 
 namespace voxid {
@@ -38,6 +39,7 @@ void ClassificationNodelet::onInit() {
   config_->setCallback([this](ClassificationConfig& config, std::uint32_t) { onConfig(config); });
   const ClassificationStartParams at_start = classificationStartParams(getPrivateNodeHandle());
   target_frame_ = at_start.target_frame;
+  transform_tolerance_ms_ = at_start.transform_tolerance_ms;
   remembers_ = at_start.memory;
   categories_ = at_start.categories;
   size_ = at_start.size;
@@ -163,7 +165,8 @@ Eigen::Isometry3d ClassificationNodelet::moveToTarget(Objects* objects) {
   const Eigen::Isometry3d unmoved = Eigen::Isometry3d::Identity();
   if (!transforms_ || objects->camera_frame == target_frame_) return unmoved;
   try {
-    const auto found = transforms_->lookupTransform(target_frame_, objects->camera_frame, objects->header.stamp);
+    const auto found =
+        transformAt(*transforms_, target_frame_, objects->camera_frame, objects->header.stamp, transform_tolerance_ms_);
     const Eigen::Isometry3d target_from_camera = eigenOf(found.transform);
     transform(target_from_camera, objects);
     objects->header.frame_id = target_frame_;

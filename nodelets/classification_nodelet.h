@@ -78,6 +78,7 @@ class ClassificationNodelet : public nodelet::Nodelet {
   MessagePool<Objects> pool_;
   Spares<Object> spares_;
   std::string target_frame_;
+  int transform_tolerance_ms_ = 0;
   std::unique_ptr<tf2_ros::Buffer> transforms_;
   std::unique_ptr<tf2_ros::TransformListener> transform_listener_;
   Health health_;

@@ -76,6 +76,7 @@ struct ClassificationStartParams {
   std::string categories = "";  ///< File of the categories that alone may be answers, one a line, such as cfg/table_top.txt; empty: all. The search costs the same.
   bool size = false;  ///< A category that cannot be as long as an object, or as short, is no answer for it (doc/size.md). Some 0.2 ms an object; what is partly hidden looks shorter than it is, and toys are no furniture.
   std::string target_frame = "";  ///< tf frame of the poses; empty: the camera's. With a moving camera name one that the table rests in.
+  int transform_tolerance_ms = 50;  ///< Where tf2 knows target_frame only up to so long before a depth frame's stamp, the newest transform is taken; robots publish theirs after the frame. More moves the poses of a moving camera by what it has moved in that time, less leaves more frames without.
   bool memory = true;  ///< What earlier frames said about an object counts, too, and it keeps its number.
   std::string confirmed_sizes = "";  ///< File of the sizes that confirm_object keeps; with size they refine what is known of a category (doc/size.md). Made when it is not there; empty: none are kept.
   std::string align = "off";  ///< Poses of CAD models: off, selected (those that align_object is called for) or all. Needs memory.
@@ -91,6 +92,8 @@ inline ClassificationStartParams classificationStartParams(const ros::NodeHandle
   params.categories = startParam(node, "categories", params.categories);
   params.size = startParam(node, "size", params.size);
   params.target_frame = startParam(node, "target_frame", params.target_frame);
+  params.transform_tolerance_ms = startParam(node, "transform_tolerance_ms", params.transform_tolerance_ms);
+  params.transform_tolerance_ms = std::clamp(params.transform_tolerance_ms, 0, 1000);
   params.memory = startParam(node, "memory", params.memory);
   params.confirmed_sizes = startParam(node, "confirmed_sizes", params.confirmed_sizes);
   params.align = startParam(node, "align", params.align);
