@@ -302,6 +302,10 @@ TEST_F(Chain, MarkersOverlayAndCloudForPeople) {
   ASSERT_TRUE(overlay);
   EXPECT_EQ(overlay->encoding, "bgr8");
   EXPECT_EQ(overlay->width, 320u);
+  EXPECT_EQ(overlay->height, 240u);
+  EXPECT_EQ(overlay->step, 3 * 320u);
+  EXPECT_EQ(overlay->data.size(), 3 * 320u * 240u);
+  EXPECT_NE(std::count_if(overlay->data.begin(), overlay->data.end(), [](std::uint8_t byte) { return byte > 0; }), 0);
   EXPECT_EQ(overlay->header.frame_id, "camera");
   const auto cloud = answerTo(depth_mm, clouds);
   ASSERT_TRUE(cloud);
