@@ -10,7 +10,6 @@
 namespace voxid::cli {
 namespace {
 
-constexpr int kRepeats = 20;
 constexpr int kVoxel_mm = 5;
 
 /// Times by scene, and how many of the labelled objects came out right.
@@ -38,14 +37,13 @@ LabelledScene halved(const LabelledScene& scene) {
 Measured measureOurs(const std::vector<LabelledScene>& scenes, const SegmentParams& params) {
   Measured measured;
   Segmenter segmenter;
-  segmenter.segment(scenes.front().depth.view(), params);
+  std::vector<DepthView> views;
   for (const LabelledScene& scene : scenes) {
-    const DepthView view = scene.depth.view();
-    std::vector<double> us;
-    for (int i = 0; i < kRepeats; ++i) us.push_back(usOf([&] { segmenter.segment(view, params); }));
-    measured.us.push_back(quantile(us, 0.5));
-    addScene(scene.name, segmenter.segment(view, params), scene.labels, view, scene.truth, measured.score);
+    views.push_back(scene.depth.view());
+    addScene(scene.name, segmenter.segment(views.back(), params), scene.labels, views.back(), scene.truth,
+             measured.score);
   }
+  measured.us = segmentationUs(views, params);
   return measured;
 }
 

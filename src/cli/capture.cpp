@@ -101,7 +101,7 @@ Run addCapture(CLI::App& app) {
   auto* frames = recorder->add_option("--frames", record_options->limits.frames, "Stop after so many depth frames")
                      ->check(CLI::Range(1, 100000000));
   recorder->add_option("--seconds", record_options->limits.seconds, "Stop after so many seconds")
-      ->check(CLI::Range(0.1, 1e6))
+      ->check(realRange(0.1, 1e6))
       ->excludes(frames);
   recorder->add_flag("--json", record_options->json, "Print file, frames, seconds as an object");
   return [=] { return *lister ? list(*list_options) : recordFile(*record_options); };

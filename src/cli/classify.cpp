@@ -278,7 +278,7 @@ Run addClassify(CLI::App& app) {
   app.add_flag("--1nn", options->one_nn, "The nearest view alone decides")->excludes(vote);
   app.add_option("--min-score", options->min_score,
                  "Below this score (0 to 1) the label is left empty; alternatives stay")
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(realRange(0.0, 1.0));
   options->segment.addTo(app, "With --scene: ");
   app.add_option("--labels", options->labels,
                  "With --scene: write each frame's objects to DIR/STEM.png, 16 bit, object id a pixel")

@@ -23,6 +23,18 @@ inline std::string oneLine(std::string text) {
   return text;
 }
 
+/// CLI::Range, which alone lets "nan" pass.
+inline CLI::Validator realRange(double least, double most) {
+  const CLI::Range range(least, most);
+  CLI::Validator check = range;
+  check.operation([range](std::string& text) {
+    double number = 0;
+    const bool unordered = CLI::detail::lexical_cast(text, number) && number != number;
+    return unordered ? "Value " + text + " not a number" : range(text);
+  });
+  return check;
+}
+
 /// Each adds its options to `app` and returns what to run once they are parsed.
 Run addAcquire(CLI::App& app);
 Run addAdd(CLI::App& app);

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 
+#include "cpu_time.h"
 #include "voxid/geometry/segmenter.h"
 
 namespace voxid::cli {
@@ -151,17 +151,6 @@ Result<json> readTruth(const std::filesystem::path& path) {
   return truth;
 }
 
-double timeOf(const DepthView& view, const SegmentParams& params, Segmenter& segmenter) {
-  constexpr int kRepeats = 20;
-  std::vector<double> times_ms;
-  for (int i = 0; i < kRepeats; ++i) {
-    const std::clock_t start = std::clock();
-    segmenter.segment(view, params);
-    times_ms.push_back(static_cast<double>(std::clock() - start) * 1e3 / CLOCKS_PER_SEC);
-  }
-  return medianOf(times_ms);
-}
-
 Result<LabelledScene> readScene(const std::filesystem::path& folder, const std::string& name, const json& truth) {
   const Result<DepthFile> depth = readDepthFile((folder / (name + "_depth.png")).string(), CameraChoice{});
   if (!depth.ok()) return depth.status;
@@ -216,15 +205,34 @@ Status visitScenes(const std::string& folder, const std::function<void(const Lab
   return Status::damaged(folder + "/objects.json: " + error.what());
 }
 
+std::vector<double> segmentationUs(const std::vector<DepthView>& scenes, const SegmentParams& params) {
+  constexpr int kRounds = 20;
+  Segmenter segmenter;
+  for (const DepthView& scene : scenes) segmenter.segment(scene, params);
+  std::vector<std::vector<double>> us(scenes.size());
+  for (int round = 0; round < kRounds; ++round) {
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+      us[i].push_back(usOf([&] { segmenter.segment(scenes[i], params); }));
+    }
+  }
+  std::vector<double> medians;
+  for (const std::vector<double>& scene : us) medians.push_back(medianOf(scene));
+  return medians;
+}
+
 Result<SegmentationScore> evaluateFolder(const std::string& folder, const SegmentParams& params, bool timing) {
   SegmentationScore score;
   Segmenter segmenter;
+  std::vector<DepthFile> timed;
   const Status status = visitScenes(folder, [&](const LabelledScene& scene) {
     const DepthView view = scene.depth.view();
-    if (timing) score.segment_ms.push_back(timeOf(view, params, segmenter));
     addScene(scene.name, segmenter.segment(view, params), scene.labels, view, scene.truth, score);
+    if (timing) timed.push_back(scene.depth);
   });
   if (!status.ok()) return status;
+  std::vector<DepthView> views;
+  for (const DepthFile& depth : timed) views.push_back(depth.view());
+  for (const double us : segmentationUs(views, params)) score.segment_ms.push_back(us * 1e-3);
   return score;
 }
 

@@ -226,7 +226,7 @@ void addTableOptions(CLI::App& app, Options& options) {
   app.add_option("--sizes", options.sizes_cm,
                  "Largest extent of each model in cm, or one for all; without it their unit is a metre")
       ->needs(table)
-      ->check(CLI::Range(1.0, 60.0));
+      ->check(realRange(1.0, 60.0));
   app.add_option("--up", options.up, "Which axis of the models points up")
       ->capture_default_str()
       ->check(CLI::IsMember({"y", "z"}));

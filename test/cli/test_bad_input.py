@@ -44,6 +44,7 @@ def test_arguments(voxid, image, index):
     classify(voxid, image, index, "--radius", 3, "--exact").refuses(2, "--exact")
     classify(voxid, image, index, "--vote", "--1nn").refuses(2, "--vote")
     classify(voxid, image, index, "--min-score", 1.5).refuses(2, "--min-score")
+    classify(voxid, image, index, "--min-score", "nan").refuses(2, "--min-score", "nan")
     voxid("eval", "--index", index, "--queries", ".", "--jobs", 0).refuses(2, "--jobs")
 
 

@@ -88,6 +88,7 @@ def test_bad_use(voxid, models, tmp_path):
     voxid("render", cube, "--view", 80, "--out", tmp_path).refuses(2, "--view")
     voxid("render", "--table", "--models", cube, "--out", tmp_path).refuses(2, "cube_a.ply", "--sizes")
     voxid("render", "--table", "--models", cube, cube, "--sizes", 10, 10, 10, "--out", tmp_path).refuses(2, "--sizes")
+    voxid("render", "--table", "--models", cube, "--sizes", "nan", "--out", tmp_path).refuses(2, "--sizes", "nan")
     voxid("render", "--table", "--models", *[cube] * 9, "--sizes", 30, "--out", tmp_path).refuses(2, "room")
     voxid("render", cube, "--out", cube / "x").refuses(1, "x")
 
