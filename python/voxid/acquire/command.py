@@ -5,8 +5,6 @@ import pathlib
 import re
 import sys
 
-import cv2
-
 from voxid.acquire import gather, judge, meaning, mirrors, review, sketchfab, source, sweethome3d, words
 from voxid.acquire.library import Library, write_whole
 from voxid.acquire.parser import Parser
@@ -177,7 +175,7 @@ def write_sheet(library, category, passed):
     sheet = library.root / category / "contact_sheet.png"
     sheet.parent.mkdir(parents=True, exist_ok=True)
     pictures = [(caption_of(number, one), one.verdict.thumbnail) for number, (_, one) in enumerate(passed, 1)]
-    write_whole(sheet, cv2.imencode(".png", judge.contact_sheet(pictures))[1].tobytes())
+    write_whole(sheet, judge.opencv().imencode(".png", judge.contact_sheet(pictures))[1].tobytes())
     return sheet
 
 

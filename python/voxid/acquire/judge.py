@@ -11,7 +11,6 @@ import subprocess
 import sys
 import zlib
 
-import cv2
 import numpy as np
 
 import voxid
@@ -70,6 +69,12 @@ def look(mesh):
     return (None, reason) if reason else (json.loads(out), "")
 
 
+def opencv():
+    """Loaded when the first picture is made: that takes long, and senses and words need none."""
+    import cv2
+    return cv2
+
+
 def shaded(depth_mm, size_px=160, fill=True):
     """A depth image as a grey picture, lit from the camera; with `fill` cut to the object."""
     rows, columns = np.nonzero(depth_mm)
@@ -85,6 +90,7 @@ def shaded(depth_mm, size_px=160, fill=True):
     square = np.full((side, side), 255, np.uint8)
     top, left = (side - picture.shape[0]) // 2, (side - picture.shape[1]) // 2
     square[top:top + picture.shape[0], left:left + picture.shape[1]] = picture
+    cv2 = opencv()
     return cv2.resize(square, (size_px, size_px), interpolation=cv2.INTER_AREA)
 
 
@@ -153,7 +159,7 @@ def strangeness(all_views):
 
 def contact_sheet(pictures, columns=6, size_px=160):
     """(caption, thumbnail or None) in rows, each with its caption under it."""
-    rows = []
+    cv2, rows = opencv(), []
     for first in range(0, len(pictures), columns):
         row = np.full((size_px + 22, columns * size_px), 255, np.uint8)
         for place, (caption, picture) in enumerate(pictures[first:first + columns]):

@@ -28,7 +28,7 @@ PHYSICAL = ("noun.artifact", "noun.food", "noun.animal", "noun.plant", "noun.obj
 
 
 class WordNet:
-    """The database, open while the block lasts."""
+    """The database's nouns, open while the block lasts."""
 
     def __enter__(self):
         if not (DATABASE / "data.noun").exists():
@@ -41,6 +41,9 @@ class WordNet:
         root = pathlib.Path(self._folder.name)
         for name in os.listdir(DATABASE):
             (root / name).symlink_to(DATABASE / name)
+        for name in ("index.verb", "index.adj", "index.adv"):  # NLTK would read every line of them
+            (root / name).unlink(missing_ok=True)
+            (root / name).touch()
         (root / "lexnames").unlink(missing_ok=True)
         (root / "lexnames").write_text("".join(
             f"{number:02d}\t{name}\t{PARTS_OF_SPEECH[name.split('.')[0]]}\n"

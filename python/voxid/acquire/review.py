@@ -11,7 +11,6 @@ import tempfile
 import threading
 import urllib.parse
 
-import cv2
 import numpy as np
 
 from voxid.acquire import judge
@@ -58,6 +57,7 @@ def page(word, passed, secret):
 
 def strip(program, mesh):
     """The views of one turn side by side, all in one scale; PNG."""
+    cv2 = judge.opencv()
     with tempfile.TemporaryDirectory(prefix="voxid-turn-") as folder:
         _, reason = judge.run([program, "render", str(mesh), "--turn", str(TURNS), "--out", folder], mesh)
         files = [] if reason else sorted(pathlib.Path(folder).glob("*_turn_*.png"))
