@@ -68,20 +68,35 @@ TEST(PlaneFinder, FindsTheRenderedTable) {
             std::cos(0.05 * test::kRadian));
 }
 
-TEST(PlaneFinder, PrefersATableToTheFloorBelowIt) {
-  test::View room;  // floor, seen from 1.35 m; the table's plate is a box 0.75 m high
+/// Of the plane that is found where a camera 1.35 m above a floor sees these plates on it; metres.
+double distanceOver(const std::vector<test::Box>& plates) {
+  test::View room;
   room.camera_height_m = 1.35;
   room.left_m = -3;
   room.right_m = 3;
   room.near_m = 0.2;
   room.far_m = 5;
-  const test::Image image = test::render(room, {{0, 0.8, 0.6, 0.5, 0.75}});
+  const test::Image image = test::render(room, plates);
   InverseDepth inverse;
   invert(image.view(), 300, 4000, inverse);
   InversePlane plane;
   PlaneSums sums;
-  ASSERT_TRUE(PlaneFinder().find(inverse, image.camera, SegmentParams{}, Upward{}, plane, sums));
-  EXPECT_NEAR(metricOf(plane, image.camera).distance_m, 0.6, 0.005);
+  if (!PlaneFinder().find(inverse, image.camera, SegmentParams{}, Upward{}, plane, sums)) return 0;
+  return metricOf(plane, image.camera).distance_m;
+}
+
+TEST(PlaneFinder, PrefersATableToTheFloorBelowIt) {
+  EXPECT_NEAR(distanceOver({{0, 0.8, 0.6, 0.5, 0.75}}), 0.6, 0.005);
+  EXPECT_NEAR(distanceOver({{0, 1.2, 0.9, 0.7, 0.35}}), 1.0, 0.005);  // a low one
+}
+
+TEST(PlaneFinder, PrefersTheTableToABenchBeforeIt) {
+  EXPECT_NEAR(distanceOver({{0, 0.8, 2.4, 0.9, 0.35}, {0, 0.8, 0.6, 0.5, 0.75}}), 0.6, 0.005);
+}
+
+TEST(PlaneFinder, TakesALowStepAndASmallPlateForNoTable) {
+  EXPECT_NEAR(distanceOver({{0, 1.2, 0.9, 0.7, 0.25}}), 1.35, 0.005);
+  EXPECT_NEAR(distanceOver({{0, 0.8, 0.25, 0.2, 0.75}}), 1.35, 0.005);
 }
 
 }  // namespace

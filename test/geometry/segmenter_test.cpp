@@ -446,6 +446,24 @@ TEST(Segmenter, KeepsTheLargestOfTooMany) {
   }
 }
 
+TEST(Segmenter, OfTooManyEqualOnesTheLastIsLeftOut) {
+  Image image{640, 480, std::vector<std::uint16_t>(640 * 480, 1000), View{}.camera()};
+  for (int square = 0; square < 4; ++square) {
+    for (int i = 0; i < 1600; ++i) image.at(60 + 120 * square + i % 40, 200 + i / 40) = 950;
+  }
+  SegmentParams two;
+  two.rim = two.split = two.join = false;
+  two.max_clusters = 2;
+  Segmenter segmenter;
+  const Scene& scene = segmenter.segment(image.view(), two);
+  ASSERT_EQ(scene.clusters.size, 2u);
+  EXPECT_EQ(scene.clusters[0].box_px.x, 60);
+  EXPECT_EQ(scene.clusters[1].box_px.x, 180);
+  ASSERT_EQ(scene.left_out.size, 2u);
+  EXPECT_EQ(scene.left_out[0].box_px.x, 300);
+  EXPECT_EQ(scene.left_out[1].box_px.x, 420);
+}
+
 TEST(Segmenter, FloatMetresGiveTheSameScene) {
   const Image image = render(View{}, {kLow, kTall});
   const std::vector<float> metres = test::metresOf(image);
