@@ -196,6 +196,34 @@ TEST(Segmenter, MeasuresAFullTableFromEverySecondRow) {
   EXPECT_GE(pixels, 1u << 15);  // fewer are measured row by row
 }
 
+TEST(Segmenter, MeasuresASmallThingOnAFullTableFromEveryRow) {
+  const Image image = render(View{}, {{-0.26, 0.75, 0.2, 0.16, 0.2, 20},
+                                      {0, 0.75, 0.2, 0.16, 0.2, 20},
+                                      {0.26, 0.75, 0.2, 0.16, 0.2, 20},
+                                      {0, 0.5, 0.06, 0.03, 0.02}});
+  Segmenter segmenter;
+  const Scene& scene = segmenter.segment(image.view(), SegmentParams{});
+  ASSERT_EQ(scene.clusters.size, 4u);
+  const Cluster& small = scene.clusters[3];
+  ASSERT_NEAR(small.extents_m.x(), 0.06, 0.003);
+  EXPECT_LT(metresFromMean(image, small), 2e-5);
+}
+
+TEST(Segmenter, BoxesHoldTheEndsOfRowsThatAreNotMeasured) {
+  Image image{640, 480, std::vector<std::uint16_t>(640 * 480, 1000), View{}.camera()};
+  for (int i = 0; i < 250 * 141; ++i) image.at(150 + i % 250, 150 + i / 250) = 950;
+  for (int i = 0; i < 40; ++i)
+    image.at(400 + i, 150 + 71) = image.at(110 + i, 150 + 69) = 950;  // two spikes, a row high
+  SegmentParams plain;
+  plain.rim = plain.split = plain.join = false;
+  Segmenter segmenter;
+  const Scene& scene = segmenter.segment(image.view(), plain);
+  ASSERT_EQ(scene.clusters.size, 1u);
+  EXPECT_GE(scene.clusters[0].pixels.size, 1u << 15);
+  EXPECT_NEAR(scene.clusters[0].extents_m.x(), 329 * 0.95 / 525, 0.002);
+  EXPECT_NEAR(scene.clusters[0].extents_m.y(), 140 * 0.95 / 525, 0.002);
+}
+
 TEST(Segmenter, SaysThatNothingStandsOnTheTable) {
   const Image image = render(View{}, {});
   Segmenter segmenter;
