@@ -30,8 +30,18 @@ TEST(Join, ABoxThatANearerOneCutsInTwoStaysOne) {
 
 TEST(Join, TwoBoxesOfOtherHeightsBehindANearerOneStayTwo) {
   const auto found = lengths(
-      render(View{}, {{-0.12, 0.9, 0.16, 0.08, 0.12}, {0.12, 0.9, 0.16, 0.08, 0.16}, {0, 0.55, 0.06, 0.06, 0.3}}));
+      render(View{}, {{-0.12, 0.9, 0.16, 0.08, 0.12}, {0.12, 0.9, 0.16, 0.08, 0.14}, {0, 0.55, 0.06, 0.06, 0.3}}));
   EXPECT_EQ(found.size(), 3u);
+}
+
+TEST(Join, TwoBoxesOneFartherThanTheOtherBehindANearerOneStayTwo) {
+  const auto found = lengths(
+      render(View{}, {{-0.12, 0.9, 0.16, 0.08, 0.12}, {0.12, 1.0, 0.16, 0.08, 0.12}, {0, 0.55, 0.06, 0.06, 0.3}}));
+  EXPECT_EQ(found.size(), 3u);
+}
+
+TEST(Join, WhatIsHiddenOverALongWayStaysTwo) {
+  EXPECT_EQ(lengths(render(View{}, {{0, 0.9, 0.7, 0.08, 0.12}, {0, 0.55, 0.2, 0.06, 0.36}})).size(), 3u);
 }
 
 TEST(Join, TwoBoxesWithTableBetweenThemStayTwo) {
@@ -42,6 +52,10 @@ TEST(Join, WallsOfAVesselAreOne) {
   const auto found = lengths(render(View{}, {}, {{0, 0.7, 0.06, 0.14}}));
   ASSERT_EQ(found.size(), 1u);
   EXPECT_NEAR(found[0], 0.12f, 0.008f);
+}
+
+TEST(Join, WallsOfWhatIsWiderThanAnyVesselStayTwo) {
+  EXPECT_EQ(lengths(render(View{}, {}, {{0, 0.78, 0.22, 0.3}})).size(), 2u);
 }
 
 TEST(Join, ABoxBehindABoxOfItsHeightStaysItself) {
