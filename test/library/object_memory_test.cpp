@@ -81,6 +81,27 @@ TEST_F(ObjectMemoryTest, AnotherSizeInTheSamePlaceIsNoticedWithinHalfASecond) {
   EXPECT_GE(frames, 6) << "a frame or two of another size are noise";
 }
 
+TEST_F(ObjectMemoryTest, AFifthOrAFewMillimetresMoreAreNoOtherSize) {
+  const auto numberAfterHalfASecond = [&](const Vector3f& before, const Vector3f& after) {
+    pass(100);  // forgotten
+    frame({at(0, 0, 0.05f, before)});
+    const std::uint32_t first = frame({at(0, 0, 0.05f, before)})[0];
+    for (int i = 0; i < 14; ++i) frame({at(0, 0, 0.05f, after)});
+    return frame({at(0, 0, 0.05f, after)})[0] - first;
+  };
+  EXPECT_EQ(numberAfterHalfASecond({0.1f, 0.08f, 0.1f}, {0.12f, 0.096f, 0.12f}), 0u);
+  EXPECT_EQ(numberAfterHalfASecond({0.03f, 0.02f, 0.03f}, {0.039f, 0.029f, 0.03f}), 0u);
+  EXPECT_EQ(numberAfterHalfASecond({0.03f, 0.02f, 0.03f}, {0.045f, 0.02f, 0.03f}), 1u);
+}
+
+TEST_F(ObjectMemoryTest, ASizeThatDoublesInFiveFramesIsAnotherObjects) {
+  frame({at(0, 0)});
+  Vector3f size = at(0, 0).extents_m;
+  for (int i = 0; i < 5; ++i) frame({at(0, 0, 0.05f, size *= 1.2f)});
+  for (int i = 0; i < 10; ++i) frame({at(0, 0, 0.05f, size)});
+  EXPECT_EQ(frame({at(0, 0, 0.05f, size)}), (Numbers{2}));
+}
+
 TEST_F(ObjectMemoryTest, ASizeThatChangesSlowlyIsTheSameObjects) {
   for (int i = 0; i < 100; ++i) {
     const float width_m = 0.1f + 0.001f * static_cast<float>(i);
@@ -136,6 +157,20 @@ TEST_F(ObjectMemoryTest, NoiseChangesTheLabelAtMostOnceAfterTheFirstSecond) {
   }
   EXPECT_LE(changes, 1);
   EXPECT_EQ(memory_.numberOf(0), 1u);
+}
+
+TEST_F(ObjectMemoryTest, ALabelGivesWayToWhatIsBetterByASixteenth) {
+  const auto labelAfter = [&](int frames, std::uint32_t first, std::uint32_t second) {
+    std::uint32_t label = 0;
+    for (int i = 0; i < frames; ++i) {
+      frame({at(0, 0)});
+      label = look(first, second);
+    }
+    return label;
+  };
+  EXPECT_EQ(labelAfter(40, 100, 110), 0u);
+  EXPECT_EQ(labelAfter(1500, 100, 97), 0u);  // 50 s: five half-lives
+  EXPECT_EQ(labelAfter(1500, 100, 88), 1u);
 }
 
 TEST_F(ObjectMemoryTest, TimeThatGoesBackForgetsEverything) {
