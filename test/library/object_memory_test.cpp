@@ -82,16 +82,16 @@ TEST_F(ObjectMemoryTest, AnotherSizeInTheSamePlaceIsNoticedWithinHalfASecond) {
 }
 
 TEST_F(ObjectMemoryTest, AFifthOrAFewMillimetresMoreAreNoOtherSize) {
-  const auto numberAfterHalfASecond = [&](const Vector3f& before, const Vector3f& after) {
+  const auto numbersWithinHalfASecond = [&](const Vector3f& before, const Vector3f& after) {
     pass(100);  // forgotten
     frame({at(0, 0, 0.05f, before)});
     const std::uint32_t first = frame({at(0, 0, 0.05f, before)})[0];
     for (int i = 0; i < 14; ++i) frame({at(0, 0, 0.05f, after)});
-    return frame({at(0, 0, 0.05f, after)})[0] - first;
+    return frame({at(0, 0, 0.05f, after)})[0] - first + 1;
   };
-  EXPECT_EQ(numberAfterHalfASecond({0.1f, 0.08f, 0.1f}, {0.12f, 0.096f, 0.12f}), 0u);
-  EXPECT_EQ(numberAfterHalfASecond({0.03f, 0.02f, 0.03f}, {0.039f, 0.029f, 0.03f}), 0u);
-  EXPECT_EQ(numberAfterHalfASecond({0.03f, 0.02f, 0.03f}, {0.045f, 0.02f, 0.03f}), 1u);
+  EXPECT_EQ(numbersWithinHalfASecond({0.1f, 0.08f, 0.1f}, {0.12f, 0.096f, 0.12f}), 1u);
+  EXPECT_EQ(numbersWithinHalfASecond({0.03f, 0.02f, 0.03f}, {0.039f, 0.029f, 0.03f}), 1u);
+  EXPECT_EQ(numbersWithinHalfASecond({0.03f, 0.02f, 0.03f}, {0.045f, 0.02f, 0.03f}), 2u);
 }
 
 TEST_F(ObjectMemoryTest, ASizeThatDoublesInFiveFramesIsAnotherObjects) {
