@@ -148,6 +148,7 @@ Result<json> readTruth(const std::filesystem::path& path) {
         path.string() + ": cannot be read; expected a folder with objects.json, NAME_depth.png and NAME_labels.png");
   json truth = json::parse(file, nullptr, false);
   if (!truth.is_object()) return Status::damaged(path.string() + ": is not a JSON object of scenes");
+  if (truth.empty()) return Status::nothingFound(path.string() + ": names no scene");
   return truth;
 }
 

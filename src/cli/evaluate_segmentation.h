@@ -47,7 +47,7 @@ struct LabelledScene {
   nlohmann::json truth;
 };
 
-/// Every scene that FOLDER/objects.json names, in the order of the names.
+/// Every scene that FOLDER/objects.json names, in the order of the names. NothingFound if it names none.
 Status visitScenes(const std::string& folder, const std::function<void(const LabelledScene&)>& visit);
 
 /// Microseconds of the thread's processor time for each scene, the median of 20. All scenes take their turn before the

@@ -163,6 +163,8 @@ def test_truth_that_lacks_a_field_is_damaged(voxid, put_labelled_table, tmp_path
     put_labelled_table(tmp_path, "one")
     (tmp_path / "objects.json").write_text('{"one": {"objects": [{"id": 2}]}}')
     voxid("segment", "--evaluate", tmp_path).refuses(4, tmp_path / "objects.json", "truncated")
+    (tmp_path / "objects.json").write_text("{}")
+    voxid("segment", "--evaluate", tmp_path).refuses(3, "objects.json", "no scene")
 
 
 def needs_mosd():
