@@ -5,8 +5,8 @@ import pkgutil
 
 # ROS generates a package of the same name (voxid.msg); whichever comes first on the path finds the other's parts.
 __path__ = pkgutil.extend_path(__path__, __name__)
-__all__ = ["BuildReport", "DamagedError", "Index", "build", "describe", "describe_views", "merge", "read_mesh",
-           "render"]
+__all__ = ["BuildReport", "DamagedError", "Index", "build", "describe", "describe_views", "merge", "numbers",
+           "read_mesh", "render"]
 
 
 def __getattr__(name):

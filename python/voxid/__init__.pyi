@@ -19,16 +19,19 @@ def describe(points: npt.NDArray, *, pairs: int = 10000, seed: int = 1) -> npt.N
     """The paper's 416 bins of points (n, 3): metres, or micrometres if int32 (then without a copy)."""
 @overload
 def describe(depth: Union[npt.NDArray[np.uint16], npt.NDArray[np.float32]], mask: Optional[npt.NDArray[np.bool_]],
-             camera: Camera) -> npt.NDArray[np.int8]:
-    """The 64 bytes of descriptor `default`, by the shipped projection, of an object in a depth image (rows, columns):
+             camera: Camera) -> npt.NDArray[np.uint8]:
+    """The 48 bytes of descriptor `default`, by the shipped projection, of an object in a depth image (rows, columns):
     uint16 millimetres, 0 = none, or float32 metres. `mask` says which pixels are the object; None: all with depth."""
 
 @overload
 def describe(mesh: Mesh, *, pairs: int = 10000, seed: int = 1) -> npt.NDArray[np.uint8]:
     """The paper's 416 bins of a whole model, by points that are spread evenly over its surface."""
-def describe_views(mesh: Mesh, every: int = 1) -> npt.NDArray[np.int8]:
+def describe_views(mesh: Mesh, every: int = 1) -> npt.NDArray[np.uint8]:
     """Descriptor `default` of every `every`-th of the model's 80 views, made as those of an index are, a row a view;
     one that shows nothing is left out."""
+def numbers(codes: npt.NDArray[np.uint8]) -> npt.NDArray[np.int8]:
+    """What codes of `default` hold, two numbers a byte of the last axis: codes are compared by the squared Euclidean
+    distance of these."""
 
 def read_mesh(path: Path) -> Tuple[npt.NDArray[np.float32], npt.NDArray[np.uint32]]:
     """Vertices (n, 3) and triangles (m, 3): those that have an area, and the vertices that these use."""
@@ -74,17 +77,16 @@ class Index:
     def open(path: Path) -> "Index": ...
     def describe(self, depth: Union[npt.NDArray[np.uint16], npt.NDArray[np.float32]],
                  mask: Optional[npt.NDArray[np.bool_]],
-                 camera: Camera) -> npt.NDArray:
-        """The code that this index is asked with: in `default` 64 numbers as int8, or 32 packed bytes as uint8; the 416
-        bins as uint8 in `paper`."""
-    def nearest(self, code: npt.NDArray, count: int = 20, *, exact: bool = True,
+                 camera: Camera) -> npt.NDArray[np.uint8]:
+        """The code that this index is asked with: 48 bytes in `default`, or 32; the 416 bins in `paper`."""
+    def nearest(self, code: npt.NDArray[np.uint8], count: int = 20, *, exact: bool = True,
                 lists: int = 32) -> Tuple[npt.NDArray[np.uint32], npt.NDArray[np.uint32]]:
         """Numbers of the nearest views, nearest first, and their distances. `count`: 1 to 64. `exact=False`: only the
         nearest `lists` lists of `default`, or the paper's buckets, are compared."""
     def place_of(self, view: int) -> Tuple[int, int, int]:
         """Category and model of a view, as numbers into `categories` and `models`, and its direction (0 to 79)."""
     @property
-    def codes(self) -> npt.NDArray:
+    def codes(self) -> npt.NDArray[np.uint8]:
         """All codes, a row a view: the mapped file itself, read-only."""
     @property
     def categories(self) -> List[str]: ...

@@ -135,9 +135,9 @@ void findExact(const std::shared_ptr<const Index>& index, std::vector<BenchQuery
 
 CodeDistance distanceOf(const Index& index) {
   if (!index.projection()) return l1;
-  if (index.parameters().code_bytes == kPackedCodeBytes)
-    return [](const std::uint8_t* a, const std::uint8_t* b) { return squaredDistance(a, b, kPackedCodeBytes); };
-  return [](const std::uint8_t* a, const std::uint8_t* b) { return squaredDistance(a, b, kCodeNumbers); };
+  if (index.parameters().code_bytes == kSmallCodeBytes)
+    return [](const std::uint8_t* a, const std::uint8_t* b) { return squaredDistance(a, b, kSmallCodeBytes); };
+  return [](const std::uint8_t* a, const std::uint8_t* b) { return squaredDistance(a, b, kCodeBytes); };
 }
 
 struct Measured {

@@ -64,7 +64,7 @@ void printDoneEvent(const BuildReport& report) {
 /// Which descriptor, as options.
 struct DescriptorChoice {
   std::string descriptor = "default", projection;
-  std::uint32_t pairs = DescriptorParams{}.pairs, code_bytes = kCodeNumbers;
+  std::uint32_t pairs = DescriptorParams{}.pairs, code_bytes = kCodeBytes;
   const CLI::Option *pairs_given = nullptr, *bytes_given = nullptr;
 
   void addTo(CLI::App& app) {
@@ -76,7 +76,7 @@ struct DescriptorChoice {
         ->type_name("FILE");
     bytes_given = app.add_option("--bytes", code_bytes, "Of descriptor default: of a view's code")
                       ->capture_default_str()
-                      ->check(CLI::IsMember({kPackedCodeBytes, kCodeNumbers}));
+                      ->check(CLI::IsMember({kSmallCodeBytes, kCodeBytes}));
     pairs_given = app.add_option("--pairs", pairs, "Of descriptor paper: lines drawn")
                       ->capture_default_str()
                       ->check(CLI::Range(1u, kMaxPairs));

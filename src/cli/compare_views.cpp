@@ -10,7 +10,6 @@
 #include "voxid/library/mesh_reader.h"
 #include "voxid/library/model_shelf.h"
 #include "voxid/library/model_view.h"
-#include "voxid/library/shrink_codes.h"
 
 namespace voxid::cli {
 namespace {
@@ -52,12 +51,11 @@ class Worker {
       if (!isInIndex(view, out_.views[row])) return foreign(name, direction);
       describeRow(view, row);
     }
-    if (index_.projection()) shrinkOwn(rows);
     return {};
   }
 
  private:
-  // By its extents: a projection's codes depend on the model's other views, too.
+  // By its extents.
   bool isInIndex(const ModelView& view, std::uint32_t number) const {
     const auto extents = extentsOf(view);
     const format::View kept = index_.view(number);
@@ -65,14 +63,6 @@ class Worker {
       if (extents[i] >> 8 != kept.extents[i] >> 8) return false;
     }
     return true;
-  }
-
-  // As a build of these views alone would.
-  void shrinkOwn(const ModelRows& rows) {
-    const CodeTable& own = *out_.tables.back();
-    std::vector<std::uint8_t*> codes;
-    for (std::size_t row = rows.first; row < rows.last; ++row) codes.push_back(own.code(row));
-    shrinkToMean(codes, own.bytes);
   }
 
   Status foreign(const std::string& name, int direction) const {

@@ -3,12 +3,10 @@
 
 #include <array>
 #include <cmath>
-#include <map>
 
 #include "esf.h"
 #include "voxid/core/code.h"
 #include "voxid/library/discriminants.h"
-#include "voxid/library/shrink_codes.h"
 #include "voxid/library/trainer.h"
 
 namespace voxid::cli {
@@ -33,12 +31,12 @@ void project(const IntegerMap& map, const Roots& bins, std::uint8_t* code) {
     for (std::size_t i = 0; i < bins.size(); ++i) sum += map.matrix[k * bins.size() + i] * bins[i];
     projected[k] = sum * map.factor_q24[k] >> 24;
   }
-  bringToLength(projected.data(), kCodeNumbers, code);
+  packCode(projected.data(), kCodeBytes, code);
 }
 
 class ProjectedEsfCode : public ViewCode {
  public:
-  explicit ProjectedEsfCode(IntegerMap map) : ViewCode("esf_projected", kCodeNumbers, true), map_(std::move(map)) {}
+  explicit ProjectedEsfCode(IntegerMap map) : ViewCode("esf_projected", kCodeBytes, true), map_(std::move(map)) {}
 
   bool describe(const DepthView& depth, Span<const std::uint32_t> pixels, std::uint8_t* out) override {
     const std::vector<PointUm> points = pointsOf(depth, pixels);
@@ -72,15 +70,12 @@ IntegerMap learn(const Index& index, const std::vector<std::uint32_t>& views, co
 
 ProjectedEsf projectEsf(const Index& index, const std::vector<std::uint32_t>& views, const CodeTable& esf) {
   const IntegerMap map = learn(index, views, esf);
-  ProjectedEsf made{std::make_unique<ProjectedEsfCode>(map), std::make_unique<CodeTable>(views.size(), kCodeNumbers)};
-  std::map<std::uint32_t, std::vector<std::uint8_t*>> by_model;
+  ProjectedEsf made{std::make_unique<ProjectedEsfCode>(map), std::make_unique<CodeTable>(views.size(), kCodeBytes)};
   for (std::size_t row = 0; row < views.size(); ++row) {
     if (!esf.hasAnswer(row)) continue;
     project(map, rootsOf(binsOf(esf, row)), made.table->code(row));
     made.table->answered.data()[row] = 1;
-    by_model[index.modelOf(views[row])].push_back(made.table->code(row));
   }
-  for (const auto& model : by_model) shrinkToMean(model.second, made.table->bytes);
   return made;
 }
 

@@ -10,25 +10,10 @@
 namespace voxid {
 namespace {
 
-struct PlainCodes {
-  static constexpr std::size_t kBytes = kCodeNumbers;
-  using Query = const std::int8_t*;
-  static Query queryOf(const std::uint8_t* code) { return reinterpret_cast<const std::int8_t*>(code); }
-
-  // Differences as 16-bit numbers: compilers then find the instruction that squares and adds pairs (pmaddwd).
-  static inline __attribute__((always_inline)) std::uint32_t squared(Query query, const std::uint8_t* code) {
-    std::int32_t sum = 0;
-    for (std::size_t i = 0; i < kCodeNumbers; ++i) {
-      const auto d = static_cast<std::int16_t>(query[i] - static_cast<std::int8_t>(code[i]));
-      sum += d * d;
-    }
-    return static_cast<std::uint32_t>(sum);
-  }
-};
-
 // Halves of bytes stay where they are, four of them in a 16-bit word: no number has to be moved to be compared.
-struct PackedCodes {
-  static constexpr std::size_t kBytes = kPackedCodeBytes, kWords = kBytes / 2, kParts = 4;
+template <std::size_t kSize>
+struct Codes {
+  static constexpr std::size_t kBytes = kSize, kWords = kBytes / 2, kParts = 4;
   using Query = std::array<std::array<std::uint16_t, kWords>, kParts>;
 
   static inline std::uint16_t word(const std::uint8_t* code, std::size_t i) {
@@ -46,7 +31,7 @@ struct PackedCodes {
     return parts;
   }
 
-  // In 16 bits, without a sign: (a - b)^2 is the same for b - a, and 64 squares of sixteenths sum to less than 2^14.
+  // In 16 bits, without a sign: (a - b)^2 is the same for b - a, and 96 squares of sixteenths sum to less than 2^15.
   static inline __attribute__((always_inline)) std::uint32_t squared(const Query& query, const std::uint8_t* code) {
     std::uint16_t sum = 0;
     for (std::size_t i = 0; i < kWords; ++i) {
@@ -80,19 +65,32 @@ inline __attribute__((always_inline)) void some(const std::uint8_t* query, const
   }
 }
 
-VOXID_VECTORISED void allPlain(const std::uint8_t* q, const std::uint8_t* c, std::size_t n, std::uint32_t* out) {
-  all<PlainCodes>(q, c, n, out);
+VOXID_VECTORISED void allUsual(const std::uint8_t* q, const std::uint8_t* c, std::size_t n, std::uint32_t* out) {
+  all<Codes<kCodeBytes>>(q, c, n, out);
 }
-VOXID_VECTORISED void allPacked(const std::uint8_t* q, const std::uint8_t* c, std::size_t n, std::uint32_t* out) {
-  all<PackedCodes>(q, c, n, out);
+VOXID_VECTORISED void allSmall(const std::uint8_t* q, const std::uint8_t* c, std::size_t n, std::uint32_t* out) {
+  all<Codes<kSmallCodeBytes>>(q, c, n, out);
 }
-VOXID_VECTORISED void somePlain(const std::uint8_t* q, const std::uint8_t* c, const std::uint32_t* rows, std::size_t n,
+VOXID_VECTORISED void someUsual(const std::uint8_t* q, const std::uint8_t* c, const std::uint32_t* rows, std::size_t n,
                                 std::uint32_t* out) {
-  some<PlainCodes>(q, c, rows, n, out);
+  some<Codes<kCodeBytes>>(q, c, rows, n, out);
 }
-VOXID_VECTORISED void somePacked(const std::uint8_t* q, const std::uint8_t* c, const std::uint32_t* rows, std::size_t n,
-                                 std::uint32_t* out) {
-  some<PackedCodes>(q, c, rows, n, out);
+VOXID_VECTORISED void someSmall(const std::uint8_t* q, const std::uint8_t* c, const std::uint32_t* rows, std::size_t n,
+                                std::uint32_t* out) {
+  some<Codes<kSmallCodeBytes>>(q, c, rows, n, out);
+}
+
+// Differences as 16-bit numbers: compilers then find the instruction that squares and adds pairs (pmaddwd).
+VOXID_VECTORISED void allNumbers(const std::int8_t* query, const std::int8_t* rows, std::size_t count,
+                                 std::uint32_t* distances) {
+  for (std::size_t row = 0; row < count; ++row, rows += kCodeNumbers) {
+    std::int32_t sum = 0;
+    for (std::size_t i = 0; i < kCodeNumbers; ++i) {
+      const auto d = static_cast<std::int16_t>(query[i] - rows[i]);
+      sum += d * d;
+    }
+    distances[row] = static_cast<std::uint32_t>(sum);
+  }
 }
 
 }  // namespace
@@ -105,12 +103,16 @@ std::uint32_t squaredDistance(const std::uint8_t* a, const std::uint8_t* b, std:
 
 void squaredDistances(const std::uint8_t* query, const std::uint8_t* codes, std::size_t count, std::size_t code_bytes,
                       std::uint32_t* distances) {
-  (code_bytes == kPackedCodeBytes ? allPacked : allPlain)(query, codes, count, distances);
+  (code_bytes == kSmallCodeBytes ? allSmall : allUsual)(query, codes, count, distances);
 }
 
 void squaredDistancesAt(const std::uint8_t* query, const std::uint8_t* codes, const std::uint32_t* rows,
                         std::size_t count, std::size_t code_bytes, std::uint32_t* distances) {
-  (code_bytes == kPackedCodeBytes ? somePacked : somePlain)(query, codes, rows, count, distances);
+  (code_bytes == kSmallCodeBytes ? someSmall : someUsual)(query, codes, rows, count, distances);
+}
+
+void squaredDistances(const CodeNumbers& query, const std::int8_t* rows, std::size_t count, std::uint32_t* distances) {
+  allNumbers(query.data(), rows, count, distances);
 }
 
 }  // namespace voxid

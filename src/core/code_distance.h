@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "voxid/core/code.h"
+
 namespace voxid {
 
 /// From `query` to `count` codes one after another.
@@ -14,6 +16,9 @@ void squaredDistances(const std::uint8_t* query, const std::uint8_t* codes, std:
 /// From `query` to the codes that `rows` number.
 void squaredDistancesAt(const std::uint8_t* query, const std::uint8_t* codes, const std::uint32_t* rows,
                         std::size_t count, std::size_t code_bytes, std::uint32_t* distances);
+
+/// From a projection's numbers to `count` rows of kCodeNumbers.
+void squaredDistances(const CodeNumbers& query, const std::int8_t* rows, std::size_t count, std::uint32_t* distances);
 
 /// A packed number is so many steps, -7 to 7, and kept as 8 more.
 constexpr int kPackedStep = 16, kMostSteps = 7, kStepBias = 8;

@@ -2,8 +2,6 @@
 #include "voxid/core/encoder.h"
 
 #include <algorithm>
-#include <array>
-#include <utility>
 
 namespace voxid {
 namespace {
@@ -24,28 +22,28 @@ class PaperEncoder : public Encoder {
 
 class ProjectedEncoder : public Encoder {
  public:
-  ProjectedEncoder(std::shared_ptr<const Projection> projection, bool packed)
-      : projection_(std::move(projection)), packed_(packed), describer_(projection_->descriptorParams()) {}
+  explicit ProjectedEncoder(const Profile& profile)
+      : projection_(profile.projection),
+        code_bytes_(profile.codeBytes()),
+        describer_(projection_->descriptorParams()) {}
 
   DescribeStatus encode(const DepthView& depth, Span<const std::uint32_t> pixels, std::uint8_t* code) override {
     const DescribeStatus status = describer_.describe(depth, pixels, bins_);
-    projection_->project(bins_, packed_ ? unpacked_.data() : code);
-    if (packed_) packCode(unpacked_.data(), code);
+    projection_->project(bins_, code_bytes_, code);
     return status;
   }
 
  private:
   std::shared_ptr<const Projection> projection_;
-  bool packed_;
+  std::size_t code_bytes_;
   DepthDescriber describer_;
   DepthBins bins_;
-  std::array<std::uint8_t, kCodeNumbers> unpacked_;
 };
 
 }  // namespace
 
 std::unique_ptr<Encoder> makeEncoder(const Profile& profile) {
-  if (profile.projection) return std::make_unique<ProjectedEncoder>(profile.projection, profile.packed);
+  if (profile.projection) return std::make_unique<ProjectedEncoder>(profile);
   return std::make_unique<PaperEncoder>(profile.params);
 }
 

@@ -338,10 +338,7 @@ std::uint32_t codeDistance(const Profile& profile, const std::uint8_t* a, const 
 
 Key bucketKeyOf(const Profile& profile, const std::uint8_t* code) {
   if (!profile.projection) return keyOf(code);
-  if (!profile.packed) return Key{profile.projection->listOf(code)};
-  std::array<std::uint8_t, kCodeNumbers> unpacked;
-  unpackCode(code, unpacked.data());
-  return Key{profile.projection->listOf(unpacked.data())};
+  return Key{profile.projection->listOf(unpackCode(code, profile.codeBytes()))};
 }
 
 }  // namespace voxid

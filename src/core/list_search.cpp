@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Search of profile "default": a code's list is its hash, learnt from the codes themselves, and near lists are probed.
 #include <algorithm>
-#include <array>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -58,7 +57,7 @@ class ListSearch : public Search {
   // Buckets by their centroids' distances. A key that names no list (possible only in a damaged file) is passed over.
   void order(const std::uint8_t* code) {
     const Projection& projection = *index_->projection();
-    squaredDistances(unpacked(code), projection.centroids(), projection.lists(), kCodeNumbers,
+    squaredDistances(unpackCode(code, index_->parameters().code_bytes), projection.centroids(), projection.lists(),
                      centroid_distances_.data());
     buckets_.clear();
     sorted_ = 0;
@@ -67,13 +66,6 @@ class ListSearch : public Search {
       if (list < centroid_distances_.size())
         buckets_.push_back(rankOf(i, centroid_distances_[static_cast<std::size_t>(list)]));
     }
-  }
-
-  // As the centroids are.
-  const std::uint8_t* unpacked(const std::uint8_t* code) {
-    if (index_->parameters().code_bytes != kPackedCodeBytes) return code;
-    unpackCode(code, unpacked_.data());
-    return unpacked_.data();
   }
 
   // The nearest `count` buckets stand first, in order.
@@ -131,7 +123,6 @@ class ListSearch : public Search {
 
   std::shared_ptr<const Index> index_;
   std::size_t least_lists_;
-  std::array<std::uint8_t, kCodeNumbers> unpacked_;
   std::vector<std::uint32_t> centroid_distances_;
   std::vector<Rank> buckets_;  // numbers of buckets, with their centroids' distances
   std::size_t sorted_ = 0;

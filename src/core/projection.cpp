@@ -80,7 +80,7 @@ Result<std::shared_ptr<const Projection>> Projection::fromBytes(Span<const std::
   projection->bias_ = reinterpret_cast<const std::int32_t*>(at);
   projection->factor_q24_ = projection->bias_ + kCodeNumbers;
   at += 2 * sizeof(std::int32_t) * kCodeNumbers;
-  projection->centroids_ = at;
+  projection->centroids_ = reinterpret_cast<const std::int8_t*>(at);
   projection->calibration_ = reinterpret_cast<const format::Calibration*>(at + std::size_t{h.lists} * kCodeNumbers);
   for (std::size_t i = 0; i < kCodeNumbers; ++i) {
     const bool bounded =
@@ -112,23 +112,24 @@ Status Projection::check(const std::string& name) {
   return sumOf(bytes(), h) == h.crc32c ? Status() : damaged("its checksum is wrong");
 }
 
-void Projection::project(const DepthBins& bins, std::uint8_t* code) const {
+void Projection::project(const DepthBins& bins, std::size_t code_bytes, std::uint8_t* code) const {
   std::array<std::int32_t, kCodeNumbers> product;
-  multiply(matrix_, kCodeNumbers, bins.data(), product.data());
+  const std::size_t rows = numbersIn(code_bytes);
+  multiply(matrix_, rows, bins.data(), product.data());
   std::array<std::int64_t, kCodeNumbers> scaled;
-  for (std::size_t i = 0; i < kCodeNumbers; ++i) {
+  for (std::size_t i = 0; i < rows; ++i) {
     scaled[i] = clamped(((std::int64_t{product[i]} + bias_[i]) * factor_q24_[i]) >> 24, (1 << 24) - 1);
   }
-  bringToLength(scaled.data(), kCodeNumbers, code);
+  packCode(scaled.data(), code_bytes, code);
 }
 
-std::uint32_t Projection::listOf(const std::uint8_t* code) const {
+std::uint32_t Projection::listOf(const CodeNumbers& numbers) const {
   constexpr std::uint32_t kBlock = 256;
   std::array<std::uint32_t, kBlock> distances;
   std::uint32_t nearest = 0, least = 0xffffffff;
   for (std::uint32_t first = 0; first < lists(); first += kBlock) {
     const std::uint32_t count = std::min(kBlock, lists() - first);
-    squaredDistances(code, centroids_ + std::size_t{first} * kCodeNumbers, count, kCodeNumbers, distances.data());
+    squaredDistances(numbers, centroids_ + std::size_t{first} * kCodeNumbers, count, distances.data());
     const auto best = std::min_element(distances.begin(), distances.begin() + count);
     if (*best >= least) continue;
     least = *best;

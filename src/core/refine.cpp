@@ -16,7 +16,7 @@ struct Products {
   std::int32_t query_moved, moved_moved, query_query;
 };
 
-// 2 code + mean lies where the code moved a third of the way does; at most 381, so that 64 squares stay below 2^24.
+// 2 code + mean lies where the code moved a third of the way does; at most 384, so that 96 squares stay below 2^24.
 VOXID_VECTORISED Products productsOf(const std::int8_t* query, const std::int8_t* code, const std::int8_t* mean) {
   Products sums{};
   for (std::size_t i = 0; i < kCodeNumbers; ++i) {

@@ -36,9 +36,9 @@ inline std::uint32_t weightOf(std::uint32_t distance, std::uint32_t nearest) {
   return step < kWeights ? kWeightTable[step] : 0;
 }
 
-// A model's vote: exp(-9 (d / d1 - 1)), of its nearest view. Measured: doc/descriptor.md, section 7.
+// A model's vote: exp(-4.5 (d / d1 - 1)), of its nearest view. Measured: doc/descriptor.md, section 7.
 inline std::uint32_t voteOf(std::uint32_t distance, std::uint32_t nearest) {
-  return weightOf(distance <= nearest ? nearest : nearest + 3 * (distance - nearest), nearest);
+  return weightOf(distance <= nearest ? nearest : nearest + 3 * (distance - nearest) / 2, nearest);
 }
 
 // kNoCategory for a view that leads nowhere, possible only in a damaged file.

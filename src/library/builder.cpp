@@ -18,7 +18,6 @@
 #include "voxid/library/confidence_learner.h"
 #include "voxid/library/index_assembler.h"
 #include "voxid/library/shipped_projection.h"
-#include "voxid/library/shrink_codes.h"
 #include "voxid/library/views.h"
 
 namespace voxid {
@@ -159,7 +158,6 @@ class Builder {
     ModelRecord model{file.category, file.name,      file.licence,
                       file.origin,   file.synset,    std::move(shard.value.views),
                       file.sense,    file.hypernyms, std::move(shard.value.surface)};
-    if (options_.profile.projection) shrinkToMean(codesIn(model.views), options_.profile.codeBytes());
     report_.views += static_cast<int>(model.views.size());
     taught_.insert(file.category);
     calibration_queries_.push_back({whole_.models(), std::move(shard.value.calibration)});
@@ -198,8 +196,8 @@ Result<Profile> profileOf(const std::string& descriptor, const std::string& proj
     return Status::badUse("descriptor '" + descriptor + "': expected default or paper");
   if (pairs > kMaxPairs)
     return Status::badUse("--pairs is " + std::to_string(pairs) + ", expected 1 to " + std::to_string(kMaxPairs));
-  if (code_bytes != 0 && code_bytes != kPackedCodeBytes && code_bytes != kCodeNumbers)
-    return Status::badUse("--bytes is " + std::to_string(code_bytes) + ", expected 32 or 64");
+  if (code_bytes != 0 && code_bytes != kSmallCodeBytes && code_bytes != kCodeBytes)
+    return Status::badUse("--bytes is " + std::to_string(code_bytes) + ", expected 32 or 48");
   if (descriptor == "paper") {
     if (!projection.empty()) return Status::badUse("--projection is for descriptor default");
     if (code_bytes != 0) return Status::badUse("--bytes is for descriptor default");
@@ -210,7 +208,7 @@ Result<Profile> profileOf(const std::string& descriptor, const std::string& proj
   if (pairs > 0) return Status::badUse("--pairs is for descriptor paper; a projection says how many it needs");
   const auto read = projection.empty() ? shippedProjection() : Projection::read(projection);
   if (!read.ok()) return read.status;
-  return Profile{{}, read.value, code_bytes == kPackedCodeBytes};
+  return Profile{{}, read.value, code_bytes == kSmallCodeBytes};
 }
 
 Result<BuildReport> buildIndex(const BuildOptions& options, BuildListener& listener) {

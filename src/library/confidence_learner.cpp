@@ -12,7 +12,6 @@
 #include "voxid/core/classifier.h"
 #include "voxid/core/confidence.h"
 #include "voxid/core/search.h"
-#include "voxid/library/shrink_codes.h"
 
 namespace voxid {
 namespace {
@@ -60,15 +59,6 @@ std::vector<AskedView> askedViews(const Index& index) {
   return asked;
 }
 
-std::vector<std::uint8_t> codeAsSeen(const Index& index, const AskedView& asked) {
-  const std::uint32_t bytes = index.parameters().code_bytes;
-  const std::uint8_t* const code = index.code(asked.view);
-  std::vector<std::uint8_t> seen(code, code + bytes);
-  const format::Model& model = index.models()[asked.model];
-  if (index.projection()) takeBackFromMean(index.code(model.first_view), model.views, bytes, seen.data());
-  return seen;
-}
-
 // ---- the fit -----------------------------------------------------------------------------------------------------
 
 using Row = Eigen::Matrix<double, kUnknowns, 1>;
@@ -80,7 +70,7 @@ struct Sample {
 };
 
 Sample sampleOf(const Index& index, const AskedView& asked, Search& search) {
-  const Nearest& found = search.find(codeAsSeen(index, asked).data(), {{}, asked.model});
+  const Nearest& found = search.find(index.code(asked.view), {{}, asked.model});
   const std::uint32_t category = classify(index, found, ClassifyMethod::Vote, 0).alternatives[0].category;
   const ConfidenceFeatures features = confidenceFeatures(index, found, category, asked.model);
   Sample sample;

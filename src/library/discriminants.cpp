@@ -85,7 +85,8 @@ MatrixXd discriminants(const Moments& m, int count, double shrinkage) {
   constexpr double kWeightPower = 0.25;  // of between over within: some weight to what tells more (doc/descriptor.md)
   const int found = std::min(count, static_cast<int>(spectrum.eigenvalues().size()));
   MatrixXd columns = MatrixXd::Zero(bins, count);
-  for (int i = 0; i < found; ++i) {
+  int told = 0;
+  for (int i = 0; i < found; ++i, ++told) {
     const Eigen::Index from_end = spectrum.eigenvalues().size() - 1 - i;
     const double squared = spectrum.eigenvalues()[from_end];
     if (squared < 1e-9) break;
@@ -96,6 +97,7 @@ MatrixXd discriminants(const Moments& m, int count, double shrinkage) {
     const double sign = column[largest] < 0 ? -1 : 1;  // free; this one is reproducible
     columns.col(i) = sign * std::pow(squared, kWeightPower) * column;
   }
+  for (int i = told; i < count && told > 0; ++i) columns.col(i) = columns.col(i % told);
   return columns;
 }
 

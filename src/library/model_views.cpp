@@ -98,12 +98,6 @@ format::Direction drawDirection(Random& random) {
 
 }  // namespace
 
-std::vector<std::uint8_t*> codesIn(std::vector<ViewRecord>& views) {
-  std::vector<std::uint8_t*> codes;
-  for (ViewRecord& view : views) codes.push_back(view.code.data());
-  return codes;
-}
-
 EncodeView encodeWith(const Profile& profile) {
   const std::shared_ptr<Encoder> encoder = makeEncoder(profile);
   return [encoder, bytes = profile.codeBytes()](const DepthView& depth, Span<const std::uint32_t> pixels) {

@@ -23,9 +23,6 @@ struct ModelViews {
   std::string refusal;                ///< why there are no views
 };
 
-/// Each view's code.
-std::vector<std::uint8_t*> codesIn(std::vector<ViewRecord>& views);
-
 /// What a view is kept as; empty if there is no answer for it.
 using EncodeView = std::function<std::vector<std::uint8_t>(const DepthView& depth, Span<const std::uint32_t> pixels)>;
 EncodeView encodeWith(const Profile& profile);

@@ -13,7 +13,6 @@
 #include "shard.h"
 #include "voxid/library/discriminants.h"
 #include "voxid/library/index_writer.h"
-#include "voxid/library/shrink_codes.h"
 #include "voxid/library/views.h"
 
 namespace voxid {
@@ -55,36 +54,39 @@ std::shared_ptr<const Projection> projectionOf(const ProjectionContent& content)
 
 /// As an index of the views would hold them.
 std::vector<std::uint8_t> codesOf(const Lessons& lessons, const Projection& projection) {
-  std::vector<std::uint8_t> codes(lessons.views * kCodeNumbers);
+  std::vector<std::uint8_t> codes(lessons.views * kCodeBytes);
   std::uint8_t* at = codes.data();
   DepthBins bins;
   for (const ModelRecord& model : lessons.models) {
-    std::vector<std::uint8_t*> of_model;
     for (const ViewRecord& view : model.views) {
       std::copy(view.code.begin(), view.code.end(), bins.begin());
-      projection.project(bins, at);
-      of_model.push_back(at);
-      at += kCodeNumbers;
+      projection.project(bins, kCodeBytes, at);
+      at += kCodeBytes;
     }
-    shrinkToMean(of_model, kCodeNumbers);
   }
   return codes;
 }
 
+std::vector<CodeNumbers> unpacked(const std::vector<std::uint8_t>& codes) {
+  std::vector<CodeNumbers> numbers;
+  numbers.reserve(codes.size() / kCodeBytes);
+  for (std::size_t at = 0; at < codes.size(); at += kCodeBytes) numbers.push_back(unpackCode(&codes[at], kCodeBytes));
+  return numbers;
+}
+
 /// Moves every centroid to the mean of its codes; one without codes stays.
-void moveCentroids(ProjectionContent& content, const std::vector<std::uint8_t>& codes) {
+void moveCentroids(ProjectionContent& content, const std::vector<CodeNumbers>& codes) {
   const auto projection = projectionOf(content);
   std::vector<double> sums(content.centroids.size());
   std::vector<double> members(content.lists);
-  for (std::size_t at = 0; at < codes.size(); at += kCodeNumbers) {
-    const std::uint32_t list = projection->listOf(&codes[at]);
+  for (const CodeNumbers& numbers : codes) {
+    const std::uint32_t list = projection->listOf(numbers);
     ++members[list];
-    for (std::size_t i = 0; i < kCodeNumbers; ++i)
-      sums[list * kCodeNumbers + i] += static_cast<std::int8_t>(codes[at + i]);
+    for (std::size_t i = 0; i < kCodeNumbers; ++i) sums[list * kCodeNumbers + i] += numbers[i];
   }
   for (std::size_t i = 0; i < sums.size(); ++i) {
     const double count = members[i / kCodeNumbers];
-    if (count > 0) content.centroids[i] = static_cast<std::uint8_t>(std::lround(sums[i] / count));
+    if (count > 0) content.centroids[i] = static_cast<std::int8_t>(std::lround(sums[i] / count));
   }
 }
 
@@ -93,11 +95,10 @@ void learnLists(ProjectionContent& content, const Lessons& lessons) {
   constexpr int kRounds = 12;
   content.lists = static_cast<std::uint32_t>(std::min<std::size_t>(content.lists, lessons.views));
   content.centroids.assign(content.lists * kCodeNumbers, 0);
-  const std::vector<std::uint8_t> codes = codesOf(lessons, *projectionOf(content));
+  const std::vector<CodeNumbers> codes = unpacked(codesOf(lessons, *projectionOf(content)));
   for (std::size_t list = 0; list < content.lists; ++list) {
-    const std::size_t view = list * lessons.views / content.lists;
-    std::copy_n(codes.begin() + static_cast<std::ptrdiff_t>(view * kCodeNumbers), kCodeNumbers,
-                content.centroids.begin() + static_cast<std::ptrdiff_t>(list * kCodeNumbers));
+    const CodeNumbers& first = codes[list * codes.size() / content.lists];
+    std::copy(first.begin(), first.end(), content.centroids.begin() + static_cast<std::ptrdiff_t>(list * kCodeNumbers));
   }
   for (int round = 0; round < kRounds; ++round) moveCentroids(content, codes);
 }
@@ -205,8 +206,8 @@ class Trainer {
     for (ModelRecord& model : library.models) {
       for (ViewRecord& view : model.views) {
         view.code.assign(codes.begin() + static_cast<std::ptrdiff_t>(at),
-                         codes.begin() + static_cast<std::ptrdiff_t>(at + kCodeNumbers));
-        at += kCodeNumbers;
+                         codes.begin() + static_cast<std::ptrdiff_t>(at + kCodeBytes));
+        at += kCodeBytes;
       }
     }
     const std::string draft = parts_.path() + "/draft.vxi";
@@ -229,8 +230,8 @@ class Trainer {
     for (std::size_t i = 0; i < lessons_.models.size(); ++i) {
       if (lessons_.calibration[i].empty()) continue;
       std::copy(lessons_.calibration[i].begin(), lessons_.calibration[i].end(), bins.begin());
-      std::vector<std::uint8_t> code(kCodeNumbers);
-      projection.project(bins, code.data());
+      std::vector<std::uint8_t> code(kCodeBytes);
+      projection.project(bins, kCodeBytes, code.data());
       queries.push_back({numbers[{lessons_.models[i].category, lessons_.models[i].name}], std::move(code)});
     }
     return queries;

@@ -128,11 +128,6 @@ void findPixels(Seen& seen, const bool* mask) {
   }
 }
 
-/// A code's numbers are signed bytes; packed ones and the bins of "paper" are unsigned.
-py::dtype bytesOf(const Profile& profile) {
-  return profile.projection && !profile.packed ? py::dtype::of<std::int8_t>() : py::dtype::of<std::uint8_t>();
-}
-
 /// Raises if there is nothing to describe.
 py::array codeOf(const Profile& profile, Seen seen) {
   std::vector<std::uint8_t> code(profile.codeBytes());
@@ -146,7 +141,7 @@ py::array codeOf(const Profile& profile, Seen seen) {
   }
   require(status == DescribeStatus::Ok,
           "depth: nothing to describe; at least two pixels with depth are needed inside the mask");
-  return py::array(bytesOf(profile), static_cast<py::ssize_t>(code.size()), code.data());
+  return py::array_t<std::uint8_t>(static_cast<py::ssize_t>(code.size()), code.data());
 }
 
 const Profile& shippedProfile() {
@@ -236,7 +231,7 @@ class PyIndex {
 py::array codesOf(const std::shared_ptr<PyIndex>& self) {
   const Index& index = self->index();
   const py::ssize_t rows = index.viewCount(), bytes = index.parameters().code_bytes;
-  py::array codes(bytesOf(index.profile()), {rows, bytes}, index.code(0), py::cast(self));
+  py::array_t<std::uint8_t> codes({rows, bytes}, index.code(0), py::cast(self));
   codes.attr("setflags")(py::arg("write") = false);
   return codes;
 }
@@ -368,7 +363,7 @@ std::vector<std::uint8_t> codesOfViews(const Mesh& mesh, int every) {
   return codes;
 }
 
-py::array_t<std::int8_t> describeViews(const py::object& argument, int every) {
+py::array_t<std::uint8_t> describeViews(const py::object& argument, int every) {
   require(every >= 1 && every <= kDirections, "every: expected 1 to 80");
   const Mesh mesh = meshOf(argument);
   const auto bytes = static_cast<py::ssize_t>(shippedProfile().codeBytes());
@@ -378,7 +373,22 @@ py::array_t<std::int8_t> describeViews(const py::object& argument, int every) {
     codes = codesOfViews(mesh, every);
   }
   const auto rows = static_cast<py::ssize_t>(codes.size()) / bytes;
-  return py::array_t<std::int8_t>({rows, bytes}, reinterpret_cast<const std::int8_t*>(codes.data()));
+  return py::array_t<std::uint8_t>({rows, bytes}, codes.data());
+}
+
+py::array_t<std::int8_t> numbersOfCodes(const py::array_t<std::uint8_t, py::array::c_style>& codes) {
+  require(codes.ndim() >= 1, "codes: expected an array of one axis at least");
+  const py::ssize_t bytes = codes.shape(codes.ndim() - 1);
+  require(bytes == kCodeBytes || bytes == kSmallCodeBytes, "codes: expected 48 or 32 bytes in the last axis");
+  std::vector<py::ssize_t> shape(codes.shape(), codes.shape() + codes.ndim());
+  shape.back() = static_cast<py::ssize_t>(numbersIn(static_cast<std::size_t>(bytes)));
+  py::array_t<std::int8_t> numbers(shape);
+  std::int8_t* out = numbers.mutable_data();
+  for (py::ssize_t at = 0; at < codes.size(); at += bytes) {
+    const CodeNumbers held = numbersOf(codes.data() + at, static_cast<std::size_t>(bytes));
+    out = std::copy_n(held.begin(), numbersIn(static_cast<std::size_t>(bytes)), out);
+  }
+  return numbers;
 }
 
 py::tuple drawMesh(const py::object& mesh, int view, bool clean, std::uint64_t seed) {
@@ -395,6 +405,7 @@ PYBIND11_MODULE(_native, module) {
   module.def("describe", describeDepth, py::arg("depth"), py::arg("mask"), py::arg("camera"));
   module.def("describe", describeWhole, py::arg("mesh"), py::kw_only(), py::arg("pairs") = DescriptorParams{}.pairs,
              py::arg("seed") = DescriptorParams{}.seed);
+  module.def("numbers", numbersOfCodes, py::arg("codes"));
   module.def("describe_views", describeViews, py::arg("mesh"), py::arg("every") = 1);
   module.def("read_mesh", arraysOfFile, py::arg("path"));
   module.def("render", drawMesh, py::arg("mesh"), py::arg("view") = 0, py::kw_only(), py::arg("clean") = false,

@@ -53,7 +53,7 @@ def test_searches_stand_beside_the_scan(result):
     assert scan["gb_per_s"] > 0 and scan["bytes_per_view"] == 416 and scan["peer"] is None
     for name, row in searches.items():
         assert QUALITY <= set(row)
-        assert 0 <= row["recall10"] <= 1 and 0 <= row["recall1"] <= 1 and row["bytes_per_view"] >= 64
+        assert 0 <= row["recall10"] <= 1 and 0 <= row["recall1"] <= 1 and row["bytes_per_view"] >= 48
         if name != "query/paper":
             assert (row["peer"], row["peer_median_us"]) == ("query/paper", scan["median_us"])
     assert (searches["query/exact"]["recall1"], searches["query/exact"]["recall10"]) == (1, 1)

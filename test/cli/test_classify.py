@@ -18,7 +18,7 @@ def test_a_taught_view_is_found_again(voxid, index, views, category, model, dire
 
 @pytest.mark.parametrize("options", [[], ["--vote"], ["--1nn"], ["--exact"], ["--lists", 4], ["--lists", 1, "--1nn"]])
 def test_alternatives_are_ranked_and_at_least_five(voxid, index, views, options):
-    ranked_and_at_least_five(voxid, index, views, options, 64 * 254**2)
+    ranked_and_at_least_five(voxid, index, views, options, 96 * 240**2)
 
 
 @pytest.mark.parametrize("options", [[], ["--radius", 4], ["--radius", 0, "--1nn"]])

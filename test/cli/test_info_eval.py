@@ -20,7 +20,7 @@ def test_info(voxid, index):
     assert (line["models"], line["views"], line["categories"]) == (7, 560, 6)
     assert line["bytes"] == index.stat().st_size
     assert line["bytes_per_view"] == pytest.approx(line["bytes"] / 560)
-    assert line["descriptor"] == "default" and line["version"] == "1.3" and line["code_bytes"] == 64
+    assert line["descriptor"] == "default" and line["version"] == "1.3" and line["code_bytes"] == 48
     assert line["seed"] == 1
     assert 0 < line["buckets"] <= 560
     assert sum(entry["models"] for entry in line["licences"]) == 7

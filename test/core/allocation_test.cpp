@@ -40,10 +40,10 @@ TEST(Allocation, DescribeTakesNone) {
             0);
 }
 
-void expectTheDefaultProfileTakesNone(bool packed) {
+void expectTheDefaultProfileTakesNone(bool small) {
   test::Folder folder;
   IndexContent content = test::randomContent(30, 2, 8, 1);
-  content.profile = {{}, test::projectionOf(test::randomProjectionContent(40, 1)), packed};
+  content.profile = {{}, test::projectionOf(test::randomProjectionContent(40, 1)), small};
   test::Random random(2);
   for (ModelRecord& model : content.models) {
     for (ViewRecord& view : model.views) {
@@ -58,7 +58,7 @@ void expectTheDefaultProfileTakesNone(bool packed) {
   std::vector<std::uint32_t> pixels(80000);
   for (std::uint32_t i = 0; i < pixels.size(); ++i) pixels[i] = i;
   const DepthView view{depth.data(), 640, 480, 1280, DepthUnit::MillimetreU16, Camera::fromPixels(525, 525, 320, 240)};
-  std::vector<std::uint8_t> code(64);
+  std::vector<std::uint8_t> code(kCodeBytes);
   EXPECT_EQ(allocationsIn([&] {
               EXPECT_EQ(encoder->encode(view, {pixels.data(), pixels.size()}, code.data()), DescribeStatus::Ok);
               for (Search* const search : {exact.get(), lists.get()}) {
@@ -70,7 +70,7 @@ void expectTheDefaultProfileTakesNone(bool packed) {
 
 TEST(Allocation, TheDefaultProfileTakesNone) { expectTheDefaultProfileTakesNone(false); }
 
-TEST(Allocation, TheDefaultProfilePackedTakesNone) { expectTheDefaultProfileTakesNone(true); }
+TEST(Allocation, TheDefaultProfileInSmallCodesTakesNone) { expectTheDefaultProfileTakesNone(true); }
 
 TEST(Allocation, FindAndClassifyTakeNone) {
   test::Folder folder;

@@ -54,7 +54,7 @@ TEST_F(ClassifierTest, VoteGoesToTheHeaviest) {
   EXPECT_EQ(answer.alternatives[0].category, 5u);
   EXPECT_EQ(answer.alternatives[0].view, 50u);
   EXPECT_EQ(answer.alternatives[0].distance, 1010u);
-  EXPECT_EQ(answer.alternatives[1].category, 3u);  // exp(-.36) + exp(-.72) = 1.18 against 1 of category 2
+  EXPECT_EQ(answer.alternatives[1].category, 3u);  // exp(-.18) + exp(-.36) = 1.53 against 1 of category 2
   EXPECT_EQ(answer.alternatives[2].category, 2u);
   EXPECT_EQ(answer.alternatives[3].category, 7u);
   EXPECT_EQ(answer.alternatives[4].category, 8u);
@@ -65,9 +65,9 @@ TEST_F(ClassifierTest, EachModelVotesOnceWithItsNearestView) {
   const auto first = [&](const std::vector<Neighbour>& views) {
     return classify(views, {views[0], views[1]}, ClassifyMethod::Vote).alternatives[0].category;
   };
-  EXPECT_EQ(first({{10, 100}, {20, 101}, {21, 101}, {21, 102}}), 1u) << "two views of one model: exp(-.09) = 0.91";
-  EXPECT_EQ(first({{10, 100}, {20, 101}, {22, 112}}), 2u) << "two models: 0.91 + exp(-1.08) = 1.25";
-  EXPECT_EQ(first({{10, 100}, {20, 130}, {22, 130}, {24, 130}, {26, 130}, {28, 130}}), 1u) << "5 exp(-2.7) = 0.34";
+  EXPECT_EQ(first({{10, 100}, {20, 101}, {21, 101}, {21, 102}}), 1u) << "two views of one model: exp(-.045) = 0.96";
+  EXPECT_EQ(first({{10, 100}, {20, 101}, {22, 112}}), 2u) << "two models: 0.96 + exp(-.54) = 1.54";
+  EXPECT_EQ(first({{10, 100}, {20, 150}, {22, 150}, {24, 150}, {26, 150}, {28, 150}}), 1u) << "5 exp(-2.25) = 0.53";
 }
 
 TEST_F(ClassifierTest, ScoreFollowsTheCurveAtTheMargin) {

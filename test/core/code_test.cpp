@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "../../src/core/code_distance.h"
@@ -15,128 +16,184 @@ namespace {
 
 using Code = std::vector<std::uint8_t>;
 using Numbers = std::vector<double>;
+using Whole = std::vector<std::int64_t>;
 
-Code randomCode(test::Random& random) {
-  std::vector<std::int64_t> numbers;
-  for (std::size_t i = 0; i < kCodeNumbers; ++i) numbers.push_back(random.between(-1000, 1000));
-  Code code(kCodeNumbers);
-  bringToLength(numbers.data(), kCodeNumbers, code.data());
-  return code;
-}
-
-Code packed(const Code& code) {
-  Code small(kPackedCodeBytes);
-  packCode(code.data(), small.data());
-  return small;
-}
-
-Code unpacked(const Code& small) {
-  Code code(kCodeNumbers);
-  unpackCode(small.data(), code.data());
-  return code;
-}
-
-/// Entry (i, j) of a Walsh-Hadamard matrix is the parity of the bits that i and j share.
-Numbers mixed(const Code& code) {
-  Numbers numbers(kCodeNumbers);
-  for (std::size_t i = 0; i < kCodeNumbers; ++i) {
-    for (std::size_t j = 0; j < kCodeNumbers; ++j) {
-      const int sign = __builtin_popcountll(i & j) % 2 == 0 ? 1 : -1;
-      numbers[i] += sign * static_cast<std::int8_t>(code[j]) / 8.0;
-    }
+/// Of a projection, those of lower number larger.
+Whole randomNumbers(test::Random& random) {
+  Whole numbers;
+  for (int i = 0; i < static_cast<int>(kCodeNumbers); ++i) {
+    const int most = 100000 / (10 + i);
+    numbers.push_back(random.between(-most, most));
   }
   return numbers;
 }
 
-double squaredDistanceOf(const Code& a, const Code& b) {
-  const CodeNumbers x = numbersOf(a.data(), a.size()), y = numbersOf(b.data(), b.size());
+Code packed(const Whole& numbers, std::size_t bytes) {
+  Code code(bytes);
+  packCode(numbers.data(), bytes, code.data());
+  return code;
+}
+
+/// kCodeLength of the first `count` over their length, cut.
+Numbers cutToLength(const Whole& numbers, std::size_t count) {
+  Numbers scaled(numbers.begin(), numbers.begin() + static_cast<std::ptrdiff_t>(count));
+  const double length = std::sqrt(std::inner_product(scaled.begin(), scaled.end(), scaled.begin(), 0.0));
+  for (double& number : scaled) number = std::clamp(number * kCodeLength / length, -90.0, 90.0);
+  return scaled;
+}
+
+/// Entry (i, j) of a Walsh-Hadamard matrix is the parity of the bits that i and j share; every n/16-th number is mixed.
+Numbers mixed(const Numbers& numbers) {
+  const std::size_t stride = numbers.size() / 16;
+  Numbers out(numbers.size());
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    for (std::size_t j = i % stride; j < numbers.size(); j += stride) {
+      const int sign = __builtin_popcountll((i / stride) & (j / stride)) % 2 == 0 ? 1 : -1;
+      out[i] += sign * numbers[j] / 4.0;
+    }
+  }
+  return out;
+}
+
+double squaredDistanceOf(const CodeNumbers& x, const CodeNumbers& y) {
   double sum = 0;
   for (std::size_t i = 0; i < kCodeNumbers; ++i) sum += (x[i] - y[i]) * (x[i] - y[i]);
   return sum;
 }
 
-TEST(Code, IsPackedAsMixedNumbersInSixteenths) {
+double squaredDistanceOf(const Code& a, const Code& b) {
+  return squaredDistanceOf(numbersOf(a.data(), a.size()), numbersOf(b.data(), b.size()));
+}
+
+class CodeOf : public testing::TestWithParam<std::size_t> {
+ protected:
+  const std::size_t kBytes = GetParam(), kCount = numbersIn(GetParam());
+};
+
+TEST_P(CodeOf, AProjectionsNumbersAreCutMixedAndRoundedToSixteens) {
   test::Random random(1);
   for (int i = 0; i < 20; ++i) {
-    const Code code = randomCode(random), small = packed(code);
-    const Numbers exact = mixed(code);
-    const CodeNumbers numbers = numbersOf(small.data(), kPackedCodeBytes);
-    for (std::size_t k = 0; k < kCodeNumbers; ++k)
-      ASSERT_EQ(numbers[k], std::clamp(16 * std::round(exact[k] / 16), -112.0, 112.0)) << k;
+    const Whole numbers = randomNumbers(random);
+    const Numbers exact = mixed(cutToLength(numbers, kCount));
+    const CodeNumbers held = numbersOf(packed(numbers, kBytes).data(), kBytes);
+    for (std::size_t k = 0; k < kCount; ++k) {
+      ASSERT_NEAR(held[k], std::clamp(exact[k], -112.0, 112.0), 8.3) << k;
+      ASSERT_EQ(held[k] % 16, 0) << k;
+    }
+    EXPECT_EQ(std::count(held.begin() + static_cast<std::ptrdiff_t>(kCount), held.end(), 0), kCodeNumbers - kCount);
   }
 }
 
-TEST(Code, APackedByteHoldsNumbersIAndIPlus32) {
-  Code small(kPackedCodeBytes, 0x88);
-  small[0] = 0x19, small[31] = 0xf7;
-  const CodeNumbers numbers = numbersOf(small.data(), kPackedCodeBytes);
+TEST_P(CodeOf, AByteHoldsTwoNumbersHalfACodeApart) {
+  Code code(kBytes, 0x88);
+  code.front() = 0x19, code.back() = 0xf7;
+  const CodeNumbers numbers = numbersOf(code.data(), kBytes);
   EXPECT_EQ(numbers[0], 16);
-  EXPECT_EQ(numbers[32], -112);
-  EXPECT_EQ(numbers[31], -16);
-  EXPECT_EQ(numbers[63], 112);
-  EXPECT_EQ(std::count(numbers.begin(), numbers.end(), 0), 60);
+  EXPECT_EQ(numbers[kBytes], -112);
+  EXPECT_EQ(numbers[kBytes - 1], -16);
+  EXPECT_EQ(numbers[kCount - 1], 112);
+  EXPECT_EQ(std::count(numbers.begin(), numbers.end(), 0), kCodeNumbers - 4);
 }
 
-TEST(Code, OppositeCodesPackToOppositeNumbers) {
+TEST_P(CodeOf, OppositeNumbersAreOpposite) {
   test::Random random(2);
-  Code code = randomCode(random);
-  const CodeNumbers numbers = numbersOf(packed(code).data(), kPackedCodeBytes);
-  for (std::uint8_t& byte : code) byte = static_cast<std::uint8_t>(-static_cast<std::int8_t>(byte));
-  const CodeNumbers opposite = numbersOf(packed(code).data(), kPackedCodeBytes);
-  for (std::size_t i = 0; i < kCodeNumbers; ++i) EXPECT_EQ(opposite[i], -numbers[i]);
+  Whole numbers = randomNumbers(random);
+  const CodeNumbers held = numbersOf(packed(numbers, kBytes).data(), kBytes);
+  for (std::int64_t& number : numbers) number = -number;
+  const CodeNumbers opposite = numbersOf(packed(numbers, kBytes).data(), kBytes);
+  for (std::size_t i = 0; i < kCodeNumbers; ++i) EXPECT_EQ(opposite[i], -held[i]);
 }
 
-TEST(Code, PackingKeepsDistances) {
+TEST_P(CodeOf, DistancesAreKept) {
   test::Random random(3);
   for (int i = 0; i < 100; ++i) {
-    const Code a = randomCode(random), b = randomCode(random);
-    EXPECT_NEAR(std::sqrt(squaredDistanceOf(packed(a), packed(b)) / squaredDistanceOf(a, b)), 1, 0.1);
+    const Whole a = randomNumbers(random), b = randomNumbers(random);
+    const Numbers x = cutToLength(a, kCount), y = cutToLength(b, kCount);
+    double squares = 0;
+    for (std::size_t k = 0; k < kCount; ++k) squares += (x[k] - y[k]) * (x[k] - y[k]);
+    EXPECT_NEAR(std::sqrt(squaredDistanceOf(packed(a, kBytes), packed(b, kBytes)) / squares), 1, 0.1);
   }
 }
 
-TEST(Code, UnpackingGivesTheNumbersBackAndPacksToTheSameBytes) {
+TEST_P(CodeOf, UnpackingGivesTheNumbersBack) {
   test::Random random(4);
   double squares = 0;
   for (int i = 0; i < 100; ++i) {
-    const Code code = randomCode(random), small = packed(code), again = unpacked(small);
-    squares += squaredDistanceOf(code, again) / (100 * kCodeNumbers);
-    EXPECT_EQ(packed(again), small);
+    const Whole numbers = randomNumbers(random);
+    const Numbers exact = cutToLength(numbers, kCount);
+    const CodeNumbers again = unpackCode(packed(numbers, kBytes).data(), kBytes);
+    for (std::size_t k = 0; k < kCount; ++k)
+      squares += (again[k] - exact[k]) * (again[k] - exact[k]) / (100.0 * static_cast<double>(kCount));
+    EXPECT_TRUE(std::all_of(again.begin() + static_cast<std::ptrdiff_t>(kCount), again.end(),
+                            [](std::int8_t number) { return number == 0; }));
   }
   EXPECT_NEAR(squares, 16 * 16 / 12.0, 8) << "what rounding to 16 costs, and a little that is cut off";
 }
 
-TEST(Code, DistancesAreThoseOfTheNumbersInEitherSize) {
-  test::Random random(5);
-  std::vector<Code> plain, small;
-  Code plain_rows, small_rows;
-  std::vector<std::uint32_t> order;
-  for (std::uint32_t i = 0; i < 40; ++i) {
-    plain.push_back(randomCode(random));
-    small.push_back(packed(plain.back()));
-    plain_rows.insert(plain_rows.end(), plain.back().begin(), plain.back().end());
-    small_rows.insert(small_rows.end(), small.back().begin(), small.back().end());
-    order.push_back((17 * i + 3) % 40);
-  }
-  for (const auto& [codes, rows] : {std::pair(plain, plain_rows), std::pair(small, small_rows)}) {
-    const std::size_t bytes = codes[0].size();
-    std::vector<std::uint32_t> all(40), some(40);
-    squaredDistances(codes[0].data(), rows.data(), 40, bytes, all.data());
-    squaredDistancesAt(codes[0].data(), rows.data(), order.data(), 40, bytes, some.data());
-    for (std::size_t i = 0; i < 40; ++i) {
-      ASSERT_EQ(all[i], squaredDistanceOf(codes[0], codes[i]));
-      ASSERT_EQ(some[i], all[order[i]]);
-      ASSERT_EQ(squaredDistance(codes[0].data(), codes[i].data(), bytes), all[i]);
-    }
+TEST_P(CodeOf, MixedNumbersAreBroughtToLength) {
+  test::Random random(6);
+  Whole numbers;
+  for (std::size_t i = 0; i < kCodeNumbers; ++i) numbers.push_back(random.between(-1000, 1000));
+  Code code(kBytes);
+  bringToLength(numbers.data(), kBytes, code.data());
+  double squares = 0;
+  for (std::size_t i = 0; i < kCount; ++i) squares += static_cast<double>(numbers[i] * numbers[i]);
+  const CodeNumbers held = numbersOf(code.data(), kBytes);
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const double exact = static_cast<double>(numbers[i]) * kCodeLength / std::sqrt(squares);
+    EXPECT_NEAR(held[i], std::clamp(exact, -112.0, 112.0), 8.1) << i;
   }
 }
 
-TEST(Code, BytesThatNoPackingGivesAreHarmless) {
-  const Code least(kPackedCodeBytes, 0x00), most(kPackedCodeBytes, 0xff);
-  EXPECT_EQ(squaredDistance(least.data(), most.data(), kPackedCodeBytes), 64u * 240 * 240);
-  EXPECT_LE(64u * 240 * 240, kMostCodeDistance);
-  const Code code = unpacked(least);
-  EXPECT_EQ(static_cast<std::int8_t>(code[0]), -127) << "64 x -128 / 8, clamped";
-  EXPECT_EQ(std::count(code.begin(), code.end(), 0), 63);
+TEST_P(CodeOf, NothingStaysNothing) {
+  const Whole none(kCodeNumbers, 0);
+  Code code(kBytes);
+  bringToLength(none.data(), kBytes, code.data());
+  for (const Code& zero : {packed(none, kBytes), code}) EXPECT_EQ(zero, Code(kBytes, 0x88));
+}
+
+TEST_P(CodeOf, DistancesAreThoseOfTheNumbers) {
+  test::Random random(5);
+  std::vector<Code> codes;
+  Code rows;
+  std::vector<std::uint32_t> order;
+  for (std::uint32_t i = 0; i < 40; ++i) {
+    codes.push_back(packed(randomNumbers(random), kBytes));
+    rows.insert(rows.end(), codes.back().begin(), codes.back().end());
+    order.push_back((17 * i + 3) % 40);
+  }
+  std::vector<std::uint32_t> all(40), some(40);
+  squaredDistances(codes[0].data(), rows.data(), 40, kBytes, all.data());
+  squaredDistancesAt(codes[0].data(), rows.data(), order.data(), 40, kBytes, some.data());
+  for (std::size_t i = 0; i < 40; ++i) {
+    ASSERT_EQ(all[i], squaredDistanceOf(codes[0], codes[i]));
+    ASSERT_EQ(some[i], all[order[i]]);
+    ASSERT_EQ(squaredDistance(codes[0].data(), codes[i].data(), kBytes), all[i]);
+  }
+}
+
+TEST_P(CodeOf, BytesThatNoPackingGivesAreHarmless) {
+  const Code least(kBytes, 0x00), most(kBytes, 0xff);
+  EXPECT_EQ(squaredDistance(least.data(), most.data(), kBytes), kCount * 240 * 240);
+  EXPECT_LE(kCount * 240 * 240, kMostCodeDistance);
+  const CodeNumbers numbers = unpackCode(least.data(), kBytes);
+  EXPECT_EQ(numbers[0], -127) << "16 x -128 / 4, clamped";
+  EXPECT_EQ(std::count(numbers.begin(), numbers.end(), 0), kCodeNumbers - kCount / 16);
+}
+
+INSTANTIATE_TEST_SUITE_P(, CodeOf, testing::Values(kSmallCodeBytes, kCodeBytes), testing::PrintToStringParamName());
+
+TEST(CodeNumbers, DistancesToRowsAreThoseOfTheNumbers) {
+  test::Random random(7);
+  CodeNumbers query;
+  for (std::int8_t& number : query) number = static_cast<std::int8_t>(random.between(-127, 127));
+  std::vector<CodeNumbers> rows(9);
+  for (CodeNumbers& row : rows) {
+    for (std::int8_t& number : row) number = static_cast<std::int8_t>(random.between(-128, 127));
+  }
+  std::vector<std::uint32_t> distances(rows.size());
+  squaredDistances(query, rows[0].data(), rows.size(), distances.data());
+  for (std::size_t i = 0; i < rows.size(); ++i) EXPECT_EQ(distances[i], squaredDistanceOf(query, rows[i]));
 }
 
 }  // namespace

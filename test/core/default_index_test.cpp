@@ -29,21 +29,22 @@ using Neighbours = std::vector<std::pair<std::uint32_t, std::uint32_t>>;  // dis
 constexpr std::uint32_t kLists = 24;
 
 /// Around few middles, so that lists differ in size and some stay empty.
-Code randomDefaultCode(test::Random& random, bool packed) {
+Code randomDefaultCode(test::Random& random, std::size_t bytes) {
   const int middle = random.below(5) * 20 - 40;
-  Code code(kCodeNumbers), small(kPackedCodeBytes);
-  for (std::uint8_t& number : code) number = static_cast<std::uint8_t>(middle + random.between(-30, 30));
-  if (packed) packCode(code.data(), small.data());
-  return packed ? small : code;
+  std::array<std::int64_t, kCodeNumbers> numbers;
+  for (std::int64_t& number : numbers) number = middle + random.between(-30, 30);
+  Code code(bytes);
+  packCode(numbers.data(), bytes, code.data());
+  return code;
 }
 
-IndexContent defaultContent(bool packed, int categories, int models, int views) {
+IndexContent defaultContent(std::size_t bytes, int categories, int models, int views) {
   static const auto projection = test::projectionOf(test::randomProjectionContent(kLists, 1));
   IndexContent content = test::randomContent(categories, models, views, 2);
-  content.profile = {{}, projection, packed};
+  content.profile = {{}, projection, bytes == kSmallCodeBytes};
   test::Random random(3);
   for (ModelRecord& model : content.models) {
-    for (ViewRecord& view : model.views) view.code = randomDefaultCode(random, packed);
+    for (ViewRecord& view : model.views) view.code = randomDefaultCode(random, bytes);
   }
   return content;
 }
@@ -51,11 +52,11 @@ IndexContent defaultContent(bool packed, int categories, int models, int views) 
 using Numbers = std::vector<double>;
 
 /// What distances count, written down once more.
-Numbers slowNumbers(const std::uint8_t* code, bool packed) {
-  Numbers numbers;
-  for (std::size_t i = 0; i < kCodeNumbers; ++i) {
-    const int byte = code[packed ? i % 32 : i], half = i < 32 ? byte % 16 : byte / 16;
-    numbers.push_back(packed ? 16 * (half - 8) : static_cast<std::int8_t>(byte));
+Numbers slowNumbers(const std::uint8_t* code, std::size_t bytes) {
+  Numbers numbers(kCodeNumbers);
+  for (std::size_t i = 0; i < 2 * bytes; ++i) {
+    const int byte = code[i % bytes], half = i < bytes ? byte % 16 : byte / 16;
+    numbers[i] = 16 * (half - 8);
   }
   return numbers;
 }
@@ -67,8 +68,7 @@ std::uint32_t squaresOf(const Numbers& a, const Numbers& b) {
 }
 
 std::uint32_t slowDistance(const Code& code, const std::uint8_t* other) {
-  const bool packed = code.size() == kPackedCodeBytes;
-  return squaresOf(slowNumbers(code.data(), packed), slowNumbers(other, packed));
+  return squaresOf(slowNumbers(code.data(), code.size()), slowNumbers(other, code.size()));
 }
 
 Neighbours pairsOf(Span<const Neighbour> found) {
@@ -104,27 +104,19 @@ Neighbours head(Neighbours list, std::size_t count) {
 
 const auto kAll = [](std::uint32_t) { return true; };
 
-class DefaultIndex : public testing::TestWithParam<bool> {
+class DefaultIndex : public testing::TestWithParam<std::size_t> {
  protected:
   std::shared_ptr<const Index> make(int categories, int models, int views) {
-    return test::writtenIndex(folder_, defaultContent(kPacked, categories, models, views));
+    return test::writtenIndex(folder_, defaultContent(kBytes, categories, models, views));
   }
-  Code randomCode() { return randomDefaultCode(random_, kPacked); }
-  /// As centroids are.
-  Code unpacked(const std::uint8_t* code) const {
-    Code plain(code, code + kBytes);
-    plain.resize(kCodeNumbers);
-    if (kPacked) unpackCode(code, plain.data());
-    return plain;
-  }
-  const bool kPacked = GetParam();
-  const std::size_t kBytes = kPacked ? 32 : 64;
+  Code randomCode() { return randomDefaultCode(random_, kBytes); }
+  const std::size_t kBytes = GetParam();
   Folder folder_;
   test::Random random_{4};
 };
 
 TEST_P(DefaultIndex, HoldsWhatWasWritten) {
-  IndexContent content = defaultContent(kPacked, 3, 2, 4);
+  IndexContent content = defaultContent(kBytes, 3, 2, 4);
   content.models[0].views.erase(content.models[0].views.begin());  // models need not have the same number
   content.models[1].views.pop_back();
   content.models[2].views[1].extents = {0, 0x8012, 65535};
@@ -165,7 +157,7 @@ TEST_P(DefaultIndex, WritingWhatWasReadGivesTheSameBytes) {
 TEST_P(DefaultIndex, AViewCostsItsCodeAndEightBytes) {
   const auto small = make(2, 2, 5);
   const std::uint64_t bytes = small->bytes();
-  const auto large = test::writtenIndex(folder_, defaultContent(kPacked, 2, 2, 105));
+  const auto large = test::writtenIndex(folder_, defaultContent(kBytes, 2, 2, 105));
   EXPECT_NEAR(static_cast<double>(large->bytes() - bytes) / 400, static_cast<double>(kBytes) + 8, 5)
       << "beside them directions, lists";
 }
@@ -208,16 +200,17 @@ TEST_P(DefaultIndex, NearestListsAreComparedInFull) {
   const auto search = makeListSearch(index, 3);
   for (int i = 0; i < 50; ++i) {
     const Code code = randomCode();
-    const Code plain = unpacked(code.data());
+    const CodeNumbers plain = unpackCode(code.data(), kBytes);
     Neighbours lists;  // that hold something
     for (const Key list : index->keys()) {
-      lists.emplace_back(slowDistance(plain, projection.centroids() + list * kCodeNumbers),
+      const std::int8_t* const centroid = projection.centroids() + list * kCodeNumbers;
+      lists.emplace_back(squaresOf({plain.begin(), plain.end()}, {centroid, centroid + kCodeNumbers}),
                          static_cast<std::uint32_t>(list));
     }
     std::sort(lists.begin(), lists.end());
     const auto among = [&](std::size_t probed) {
       return sortedViews(*index, code, [&](std::uint32_t view) {
-        const std::uint32_t list = projection.listOf(unpacked(index->code(view)).data());
+        const std::uint32_t list = projection.listOf(unpackCode(index->code(view), kBytes));
         return std::any_of(lists.begin(), lists.begin() + static_cast<std::ptrdiff_t>(std::min(probed, lists.size())),
                            [&](const auto& entry) { return entry.second == list; });
       });
@@ -283,9 +276,8 @@ double lengthOf(const Numbers& numbers) {
 
 /// In floating point; `mean` may be empty.
 double slowMovedDistance(const Code& query, const std::uint8_t* code, const Numbers& mean) {
-  const bool packed = query.size() == kPackedCodeBytes;
-  const Numbers q = slowNumbers(query.data(), packed);
-  Numbers moved = slowNumbers(code, packed);
+  const Numbers q = slowNumbers(query.data(), query.size());
+  Numbers moved = slowNumbers(code, query.size());
   for (std::size_t i = 0; i < mean.size(); ++i) moved[i] += (mean[i] - moved[i]) / 3;
   const double stretch = kCodeLength / lengthOf(moved);
   double sum = 0;
@@ -299,7 +291,7 @@ Numbers slowMean(const Index& index, std::uint32_t category, std::uint32_t left_
   for (std::uint32_t view = 0; view < index.viewCount(); ++view) {
     const std::uint32_t model = index.modelOf(view);
     if (model == left_out || index.models()[model].category != category) continue;
-    const Numbers code = slowNumbers(index.code(view), index.profile().packed);
+    const Numbers code = slowNumbers(index.code(view), index.profile().codeBytes());
     for (std::size_t i = 0; i < kCodeNumbers; ++i) sums[i] += code[i];
     ++views;
   }
@@ -317,13 +309,16 @@ TEST_P(DefaultIndex, HoldsTheMeansOfItsCategories) {
 }
 
 TEST(CodeMean, RoundsHalvesAwayFromZero) {
-  CodeMean mean(kCodeNumbers);
-  for (const CodeNumbers& code : {CodeNumbers{1, -1, 4}, CodeNumbers{2, -2, 4}}) {
-    mean.add(reinterpret_cast<const std::uint8_t*>(code.data()));
-  }
+  CodeMean mean(kCodeBytes);
+  Code code(kCodeBytes, 0x88);
+  for (int i = 0; i < 31; ++i) mean.add(code.data());
+  code[0] = 0x79;
+  mean.add(code.data());  // a step of sixteen of 32 codes
   CodeNumbers rounded{};
   mean.write(rounded.data());
-  EXPECT_EQ(rounded, (CodeNumbers{2, -2, 4}));
+  EXPECT_EQ(rounded[0], 1);
+  EXPECT_EQ(rounded[kCodeBytes], -1);
+  EXPECT_EQ(rounded[1], 0);
 }
 
 std::set<std::uint32_t> viewsOf(const Neighbours& found) {
@@ -411,9 +406,10 @@ TEST_P(DefaultIndex, ReferencesThatLieAreHarmlessAndFound) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(OfEitherSize, DefaultIndex, testing::Bool(), [](const testing::TestParamInfo<bool>& packed) {
-  return packed.param ? "32Bytes" : "64Bytes";
-});
+INSTANTIATE_TEST_SUITE_P(OfEitherSize, DefaultIndex, testing::Values(kSmallCodeBytes, kCodeBytes),
+                         [](const testing::TestParamInfo<std::size_t>& bytes) {
+                           return std::to_string(bytes.param) + "Bytes";
+                         });
 
 }  // namespace
 }  // namespace voxid

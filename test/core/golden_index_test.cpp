@@ -17,12 +17,14 @@ namespace {
 
 using test::readBytes;
 
-constexpr std::uint32_t kBytes = 64, kLists = 5;
+constexpr std::uint32_t kLists = 5;
 
 ViewRecord viewOf(int direction, int turn) {
   ViewRecord view{static_cast<std::uint8_t>(direction), 0, {0x0100, 0x8012, 65535}, {}};
-  for (int i = 0; i < static_cast<int>(kBytes); ++i)
-    view.code.push_back(static_cast<std::uint8_t>((i * turn * 37 + 11 * turn) % 127 - 63));
+  for (int i = 0; i < static_cast<int>(kCodeBytes); ++i) {
+    const int numbers = (i * turn * 37 + 11 * turn) % 225;
+    view.code.push_back(static_cast<std::uint8_t>(0x11 + numbers % 15 + 16 * (numbers / 15)));
+  }
   return view;
 }
 
@@ -191,7 +193,7 @@ TEST(CompleteIndex, EveryFlippedByteOfDefaultIsRefusedOrFound) {
   constexpr std::size_t kStride = 101;
   const std::size_t numbers = file.find({std::begin(format::kProjectionMagic), std::end(format::kProjectionMagic)}) +
                               sizeof(format::Projection);
-  const std::size_t last = numbers + kBytes * (kDepthBins + 8 + kLists) + sizeof(format::Calibration) - kStride;
+  const std::size_t last = numbers + kCodeNumbers * (kDepthBins + 8 + kLists) + sizeof(format::Calibration) - kStride;
   ASSERT_LT(last, file.size());
   for (std::size_t at = 0; at < file.size(); at += at >= numbers && at < last ? kStride : 1)
     ASSERT_TRUE(file.isFound(at, 1 << at % 8)) << "byte " << at;

@@ -23,7 +23,7 @@ inline ProjectionContent randomProjectionContent(std::uint32_t lists, std::uint6
   for (std::size_t i = 0; i < kCodeNumbers; ++i) content.bias.push_back(random.between(-100000, 100000));
   for (std::size_t i = 0; i < kCodeNumbers; ++i) content.factor_q24.push_back(random.between(0, 2000000));
   for (std::size_t i = 0; i < kCodeNumbers * lists; ++i)
-    content.centroids.push_back(static_cast<std::uint8_t>(random.between(-60, 60)));
+    content.centroids.push_back(static_cast<std::int8_t>(random.between(-60, 60)));
   for (int bin = 0; bin < format::Calibration::kBins; ++bin)
     content.calibration.score_permille[bin] = static_cast<std::uint16_t>(10 * bin);
   content.calibration.samples = 9;

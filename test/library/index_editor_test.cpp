@@ -15,14 +15,13 @@
 namespace voxid {
 namespace {
 
-constexpr std::uint32_t kBytes = 64;
 constexpr int kCategories = 1000, kViews = 255;
 
 ModelRecord modelOf(int category, const std::string& name, test::Random& random) {
   ModelRecord model{"c" + std::to_string(1000 + category), name, "CC0", "", 0, {}};
   for (int i = 0; i < kViews; ++i) {
-    std::vector<std::uint8_t> code(kBytes);
-    for (std::uint8_t& byte : code) byte = static_cast<std::uint8_t>(random.between(-100, 100));
+    std::vector<std::uint8_t> code(kCodeBytes);
+    for (std::uint8_t& byte : code) byte = static_cast<std::uint8_t>(random.bits());
     model.views.push_back({static_cast<std::uint8_t>(i), 0, {1, 2, 3}, std::move(code)});
   }
   return model;

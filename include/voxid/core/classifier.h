@@ -10,7 +10,7 @@ namespace voxid {
 
 enum class ClassifyMethod : std::uint8_t {
   OneNn,  ///< the category of the nearest view (the paper's)
-  Vote,   ///< the models of the nearest views, each with weight exp(-9 (d / d1 - 1)) of its nearest, d1 the nearest of all
+  Vote,   ///< the models of the nearest views, each by its nearest with exp(-4.5 (d / d1 - 1)), d1 the nearest of all
 };
 
 /// One category that the object may belong to.

@@ -17,10 +17,10 @@ struct Profile {
   DescriptorParams params;                       ///< of "paper"; "default" has those of its projection
   std::shared_ptr<const Projection> projection;  ///< null: "paper", the 416 bins by L1. Else "default": the depth
                                                  ///< descriptor, projected, by squared Euclidean distance
-  bool packed = false;                           ///< "default": codes take 32 bytes instead of 64 (code.h)
+  bool small = false;                            ///< "default": codes of kSmallCodeBytes instead of kCodeBytes
   std::size_t codeBytes() const {
     if (!projection) return std::size_t{kDescriptorBytes};
-    return packed ? kPackedCodeBytes : kCodeNumbers;
+    return small ? kSmallCodeBytes : kCodeBytes;
   }
 };
 

@@ -42,7 +42,7 @@ class Index {
   DescriptorParams descriptorParams() const { return {parameters_->pairs, parameters_->seed}; }
   /// How its codes were made; a query is to be made alike.
   Profile profile() const {
-    return {descriptorParams(), projection_, projection_ && parameters_->code_bytes == kPackedCodeBytes};
+    return {descriptorParams(), projection_, projection_ && parameters_->code_bytes == kSmallCodeBytes};
   }
   /// Null in an index of profile "paper".
   const std::shared_ptr<const Projection>& projection() const { return projection_; }

@@ -90,13 +90,14 @@ struct ShortView {
 static_assert(sizeof(ShortView) == 4, "VIE4 entry is 4 bytes");
 
 /// PROJ, once, in "default": a projection file as it is. After this header: matrix (int8, a row of `bins` for each of
-/// the `numbers`), bias and factor (int32 each, one a number), centroids (`lists` codes of 64 bytes), a Calibration.
+/// the `numbers`), bias and factor (int32 each, one a number), centroids (`lists` rows of int8, one a number), a
+/// Calibration.
 struct Projection {
   char magic[8];
   std::uint32_t version;        ///< kProjectionVersion; a reader refuses any other
   std::uint32_t revision;       ///< of the depth descriptor
   std::uint32_t pairs, seed;    ///< of the depth descriptor
-  std::uint32_t bins, numbers;  ///< from, to: 2,132 and 64; a reader refuses others
+  std::uint32_t bins, numbers;  ///< from, to: 2,132 and 96; a reader refuses others
   std::uint32_t lists;
   std::uint32_t views, models, categories;  ///< that it was learnt from
   std::uint32_t crc32c;                     ///< of the whole, this field zero
@@ -107,7 +108,7 @@ constexpr char kProjectionMagic[8] = {'V', 'O', 'X', 'I', 'D', 'P', '\r', '\n'};
 constexpr std::uint32_t kProjectionVersion = 1;
 
 /// CODE: code_bytes a view, in the order of the views.
-/// MEAN, in "default": 64 signed bytes a category, the mean of its codes' numbers, rounded to nearest, halves away from
+/// MEAN, in "default": 96 signed bytes a category, the mean of its codes' numbers, rounded to nearest, halves away from
 /// 0. KEYS: the distinct 52-bit keys ("default": numbers of lists), ascending, 8 bytes each. BKTO: buckets + 1 offsets
 /// into BKTV, 4 bytes each. BKTV: view numbers by bucket, ascending inside a bucket, 4 bytes each.
 

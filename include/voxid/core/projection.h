@@ -34,13 +34,14 @@ class Projection {
   /// What the bins to be projected must be made with.
   DescriptorParams descriptorParams() const { return {header_->pairs, header_->seed}; }
 
-  /// Writes a code of 64 bytes (code.h).
-  void project(const DepthBins& bins, std::uint8_t* code) const;
+  /// Writes a code (packCode).
+  void project(const DepthBins& bins, std::size_t code_bytes, std::uint8_t* code) const;
 
-  /// The list that a code of 64 bytes belongs to: that of the nearest centroid, the first of equally near ones.
-  std::uint32_t listOf(const std::uint8_t* code) const;
+  /// The list that a code's numbers (unpackCode) belong to: that of the nearest centroid, the first of equally near
+  /// ones.
+  std::uint32_t listOf(const CodeNumbers& numbers) const;
   std::uint32_t lists() const { return header_->lists; }
-  const std::uint8_t* centroids() const { return centroids_; }  ///< lists() codes of 64 bytes
+  const std::int8_t* centroids() const { return centroids_; }  ///< lists() rows of kCodeNumbers
 
  private:
   Projection() = default;
@@ -51,7 +52,7 @@ class Projection {
   const std::int8_t* matrix_ = nullptr;
   const std::int32_t* bias_ = nullptr;
   const std::int32_t* factor_q24_ = nullptr;
-  const std::uint8_t* centroids_ = nullptr;
+  const std::int8_t* centroids_ = nullptr;
   const format::Calibration* calibration_ = nullptr;
 };
 
@@ -64,7 +65,7 @@ struct ProjectionContent {
   std::vector<std::int32_t> bias;                       ///< by row; below 2^30 in size
   std::vector<std::int32_t> factor_q24;                 ///< a number before it is brought to length:
                                                         ///< (row . bins + bias) factor / 2^24; 0 to 2^31 - 1
-  std::vector<std::uint8_t> centroids;                  ///< lists codes of 64 bytes
+  std::vector<std::int8_t> centroids;                   ///< lists rows of kCodeNumbers
   format::Calibration calibration{};
 };
 /// The file's bytes.

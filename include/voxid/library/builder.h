@@ -25,7 +25,7 @@ struct BuildOptions {
 };
 
 /// A profile by its name, "default" or "paper". `projection`: a file, for "default"; empty: the shipped one. `pairs`:
-/// lines drawn, for "paper"; 0: as many as usual. `code_bytes`: 32 or 64, for "default"; 0: 64. BadUse for what does
+/// lines drawn, for "paper"; 0: as many as usual. `code_bytes`: 32 or 48, for "default"; 0: 48. BadUse for what does
 /// not go together or is out of range; else as Projection::read.
 Result<Profile> profileOf(const std::string& descriptor, const std::string& projection, std::uint32_t pairs,
                           std::uint32_t code_bytes);

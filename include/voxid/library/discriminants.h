@@ -22,8 +22,9 @@ using ForEachView = std::function<void(const TakeView& take)>;
 
 /// `count` directions along which categories differ most while views inside categories do not (linear discriminant
 /// analysis), best first, each with the weight (between over within)^1/4; what is inside is given `shrinkage` of its
-/// mean variance in every direction. Rows are zero where there are fewer such directions. Floating point: the same
-/// machine gives the same integers.
+/// mean variance in every direction. Where there are fewer such directions, as of few categories, they come again from
+/// the first on: distances stay in proportion, and no number of a code grows so large that it is cut. Floating point:
+/// the same machine gives the same integers.
 IntegerMap learnDiscriminants(const ForEachView& for_each_view, int bins, int count, double shrinkage);
 
 }  // namespace voxid

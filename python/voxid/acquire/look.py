@@ -21,7 +21,7 @@ def look(voxid, path):
     extents = vertices.max(axis=0).astype(float) - vertices.min(axis=0)
     depth_mm, _ = voxid.render(mesh, THUMBNAIL_VIEW, clean=True)
     return {"triangles": len(triangles), "extents": extents.tolist(), "bins": voxid.describe(mesh).tolist(),
-            "views": voxid.describe_views(mesh, VIEWS_EVERY).tolist(), "thumbnail": picture(depth_mm)}
+            "views": voxid.numbers(voxid.describe_views(mesh, VIEWS_EVERY)).tolist(), "thumbnail": picture(depth_mm)}
 
 
 def main():
