@@ -14,8 +14,8 @@ from voxid.acquire.judge import Shape
 from voxid.failure import CANNOT_DO, DAMAGED, Failure
 
 
-DESCRIBED = ".described.json"
-CODE_BYTES = 64  # of the shipped projection
+CODE_NUMBERS = 96  # of the shipped projection
+DESCRIBED = f".described{CODE_NUMBERS}.json"  # what another projection described is made anew
 
 
 def checksum(path):
@@ -48,7 +48,7 @@ def write_whole(path, data):
 
 def _shape(bins, views):
     bins = np.frombuffer(bytes.fromhex(bins), np.uint8).astype(np.int32)
-    return Shape(bins, np.frombuffer(bytes.fromhex(views), np.int8).reshape(-1, CODE_BYTES))
+    return Shape(bins, np.frombuffer(bytes.fromhex(views), np.int8).reshape(-1, CODE_NUMBERS))
 
 
 class Library:
