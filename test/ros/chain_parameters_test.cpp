@@ -203,14 +203,14 @@ TEST_F(ClassificationSettings, WorkInTheNextFrameByTheKeysOfThePapersDescriptor)
 }
 
 TEST_F(ClassificationSettings, WorkInTheNextFrameByTheListsOfTheDefault) {
-  constexpr std::uint32_t kBytes = 64;
   IndexContent content = test::randomContent(12, 3, 4, 5);
   content.profile = {{}, test::projectionOf(test::randomProjectionContent(200, 1))};
   test::Random random(3);
   for (ModelRecord& model : content.models) {
     for (ViewRecord& view : model.views) {
-      view.code.resize(kBytes);
-      for (std::uint8_t& number : view.code) number = static_cast<std::uint8_t>(random.between(-60, 60));
+      view.code.resize(kCodeBytes);
+      for (std::uint8_t& numbers : view.code)
+        numbers = static_cast<std::uint8_t>(0x11 + random.below(15) + 16 * random.below(15));
     }
   }
   ASSERT_TRUE(writeIndex(content, index_path_).ok());
