@@ -9,8 +9,7 @@
 namespace voxid::cli {
 
 /// ESF made as small as the index's own codes, as these are made of their bins: roots of the bins in bytes, a
-/// projection learnt from the views that are compared, codes moved towards their model's mean and compared by way of
-/// their category's.
+/// projection learnt from the views that are compared, codes compared by way of their category's mean.
 struct ProjectedEsf {
   std::unique_ptr<ViewCode> code;    ///< "esf_projected"
   std::unique_ptr<CodeTable> table;  ///< of the same views

@@ -66,7 +66,7 @@ std::string placeOf(const std::string& golden, const std::string& other) {
   return std::getenv("VOXID_WRITE_GOLDEN") != nullptr ? golden : other;
 }
 
-// Kept for ever: the writer makes these bytes, every reader reads them.
+// The writer makes these bytes, the reader reads them; those of "default" change with what its codes hold.
 std::shared_ptr<const Index> writtenAndRead(const IndexContent& content, const std::string& golden) {
   test::Folder folder;
   const std::string path = placeOf(golden, folder.file("x.vxi"));
