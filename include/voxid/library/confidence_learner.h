@@ -14,8 +14,9 @@ namespace voxid {
 
 /// Asks for views of the index's own models, each with its own model left out, and fits the chance that the vote names
 /// it rightly. Of categories with three or more models, about kConfidenceQueries views, fewer where the index is so
-/// large that comparing would take more than minutes. Depends on the index's content only. Empty if fewer than kConfidenceModels models or 200 views can
-/// be asked for: a fit to so few would say more about them than about the next object.
+/// large that comparing would take more than minutes. Depends on the index's content only. Empty if fewer than
+/// kConfidenceModels models or 200 views can be asked for: a fit to so few would say more about them than about the
+/// next object.
 std::optional<format::Confidence> learnConfidence(const std::shared_ptr<const Index>& index);
 constexpr std::uint32_t kConfidenceQueries = 8000, kConfidenceModels = 30;
 
