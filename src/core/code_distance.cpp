@@ -7,6 +7,11 @@
 #include "vectorised.h"
 #include "voxid/core/code.h"
 
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define VOXID_AVX2
+#include "code_distance_avx2.h"
+#endif
+
 namespace voxid {
 namespace {
 
@@ -45,39 +50,32 @@ struct Codes {
   }
 };
 
-template <typename Codes>
-inline __attribute__((always_inline)) void all(const std::uint8_t* query, const std::uint8_t* codes, std::size_t count,
-                                               std::uint32_t* distances) {
-  const typename Codes::Query q = Codes::queryOf(query);
-  for (std::size_t i = 0; i < count; ++i) distances[i] = Codes::squared(q, codes + i * Codes::kBytes);
+template <std::size_t kBytes, typename CodeAt>
+void distances(const std::uint8_t* query, CodeAt code, std::size_t count, std::uint32_t* out) {
+#ifdef VOXID_AVX2
+  static const bool has_avx2 = __builtin_cpu_supports("avx2") != 0;
+  if (has_avx2) return avx2::distances<kBytes>(query, code, count, out);
+#endif
+  const typename Codes<kBytes>::Query q = Codes<kBytes>::queryOf(query);
+  for (std::size_t i = 0; i < count; ++i) out[i] = Codes<kBytes>::squared(q, code(i));
+}
+
+template <std::size_t kBytes>
+void all(const std::uint8_t* query, const std::uint8_t* codes, std::size_t count, std::uint32_t* out) {
+  distances<kBytes>(
+      query, [codes](std::size_t i) { return codes + i * kBytes; }, count, out);
 }
 
 // A list's codes lie anywhere: asked for some rows ahead, they come while others are compared.
-template <typename Codes>
-inline __attribute__((always_inline)) void some(const std::uint8_t* query, const std::uint8_t* codes,
-                                                const std::uint32_t* rows, std::size_t count,
-                                                std::uint32_t* distances) {
-  constexpr std::size_t kAhead = 12;
-  const typename Codes::Query q = Codes::queryOf(query);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (i + kAhead < count) __builtin_prefetch(codes + std::size_t{rows[i + kAhead]} * Codes::kBytes);
-    distances[i] = Codes::squared(q, codes + std::size_t{rows[i]} * Codes::kBytes);
-  }
-}
-
-VOXID_VECTORISED void allUsual(const std::uint8_t* q, const std::uint8_t* c, std::size_t n, std::uint32_t* out) {
-  all<Codes<kCodeBytes>>(q, c, n, out);
-}
-VOXID_VECTORISED void allSmall(const std::uint8_t* q, const std::uint8_t* c, std::size_t n, std::uint32_t* out) {
-  all<Codes<kSmallCodeBytes>>(q, c, n, out);
-}
-VOXID_VECTORISED void someUsual(const std::uint8_t* q, const std::uint8_t* c, const std::uint32_t* rows, std::size_t n,
-                                std::uint32_t* out) {
-  some<Codes<kCodeBytes>>(q, c, rows, n, out);
-}
-VOXID_VECTORISED void someSmall(const std::uint8_t* q, const std::uint8_t* c, const std::uint32_t* rows, std::size_t n,
-                                std::uint32_t* out) {
-  some<Codes<kSmallCodeBytes>>(q, c, rows, n, out);
+template <std::size_t kBytes>
+void some(const std::uint8_t* query, const std::uint8_t* codes, const std::uint32_t* rows, std::size_t count,
+          std::uint32_t* out) {
+  constexpr std::size_t kAhead = 16;
+  const auto code = [=](std::size_t i) {
+    if (i + kAhead < count) __builtin_prefetch(codes + std::size_t{rows[i + kAhead]} * kBytes);
+    return codes + std::size_t{rows[i]} * kBytes;
+  };
+  distances<kBytes>(query, code, count, out);
 }
 
 // Differences as 16-bit numbers: compilers then find the instruction that squares and adds pairs (pmaddwd).
@@ -103,12 +101,12 @@ std::uint32_t squaredDistance(const std::uint8_t* a, const std::uint8_t* b, std:
 
 void squaredDistances(const std::uint8_t* query, const std::uint8_t* codes, std::size_t count, std::size_t code_bytes,
                       std::uint32_t* distances) {
-  (code_bytes == kSmallCodeBytes ? allSmall : allUsual)(query, codes, count, distances);
+  (code_bytes == kSmallCodeBytes ? all<kSmallCodeBytes> : all<kCodeBytes>)(query, codes, count, distances);
 }
 
 void squaredDistancesAt(const std::uint8_t* query, const std::uint8_t* codes, const std::uint32_t* rows,
                         std::size_t count, std::size_t code_bytes, std::uint32_t* distances) {
-  (code_bytes == kSmallCodeBytes ? someSmall : someUsual)(query, codes, rows, count, distances);
+  (code_bytes == kSmallCodeBytes ? some<kSmallCodeBytes> : some<kCodeBytes>)(query, codes, rows, count, distances);
 }
 
 void squaredDistances(const CodeNumbers& query, const std::int8_t* rows, std::size_t count, std::uint32_t* distances) {

@@ -153,19 +153,20 @@ TEST_P(CodeOf, NothingStaysNothing) {
 }
 
 TEST_P(CodeOf, DistancesAreThoseOfTheNumbers) {
+  constexpr std::uint32_t kRows = 43;  // not a multiple of what is compared at once
   test::Random random(5);
   std::vector<Code> codes;
   Code rows;
   std::vector<std::uint32_t> order;
-  for (std::uint32_t i = 0; i < 40; ++i) {
+  for (std::uint32_t i = 0; i < kRows; ++i) {
     codes.push_back(packed(randomNumbers(random), kBytes));
     rows.insert(rows.end(), codes.back().begin(), codes.back().end());
-    order.push_back((17 * i + 3) % 40);
+    order.push_back((17 * i + 3) % kRows);
   }
-  std::vector<std::uint32_t> all(40), some(40);
-  squaredDistances(codes[0].data(), rows.data(), 40, kBytes, all.data());
-  squaredDistancesAt(codes[0].data(), rows.data(), order.data(), 40, kBytes, some.data());
-  for (std::size_t i = 0; i < 40; ++i) {
+  std::vector<std::uint32_t> all(kRows), some(kRows);
+  squaredDistances(codes[0].data(), rows.data(), kRows, kBytes, all.data());
+  squaredDistancesAt(codes[0].data(), rows.data(), order.data(), kRows, kBytes, some.data());
+  for (std::size_t i = 0; i < kRows; ++i) {
     ASSERT_EQ(all[i], squaredDistanceOf(codes[0], codes[i]));
     ASSERT_EQ(some[i], all[order[i]]);
     ASSERT_EQ(squaredDistance(codes[0].data(), codes[i].data(), kBytes), all[i]);
@@ -175,6 +176,8 @@ TEST_P(CodeOf, DistancesAreThoseOfTheNumbers) {
 TEST_P(CodeOf, BytesThatNoPackingGivesAreHarmless) {
   const Code least(kBytes, 0x00), most(kBytes, 0xff);
   EXPECT_EQ(squaredDistance(least.data(), most.data(), kBytes), kCount * 240 * 240);
+  EXPECT_EQ(squaredDistance(most.data(), least.data(), kBytes), kCount * 240 * 240);
+  EXPECT_EQ(squaredDistance(most.data(), most.data(), kBytes), 0u);
   EXPECT_LE(kCount * 240 * 240, kMostCodeDistance);
   const CodeNumbers numbers = unpackCode(least.data(), kBytes);
   EXPECT_EQ(numbers[0], -127) << "16 x -128 / 4, clamped";
