@@ -28,10 +28,10 @@ struct SketchedModel {
 /// code distance (squared in profile "default"), d1 that of all, the misfit of the model that fits best, n the models
 /// that the index has of it. How they were fitted: doc/pose.md.
 struct NamingWeights {
-  double distance = 4.0;
-  double misfit = 4.5;
-  double models = 0.1;
-  double among = 0.93;  ///< what the compared categories' chances add up to: their mean is then the share of right ones
+  double distance = 4;
+  double misfit = 6;
+  double models = 0.15;
+  double among = 0.98;  ///< what the compared categories' chances add up to: their mean is then the share of right ones
 };
 
 /// One object a thread.
