@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Squared distances of packed codes on x86-64 with AVX2: the same numbers as code_distance.cpp's, twice as fast.
-// Include in one file.
+// Squared distances of packed codes on x86-64 with AVX2: the same numbers as code_distance.cpp's, in less time.
 #pragma once
 
 #include <immintrin.h>
