@@ -63,10 +63,10 @@ Times timesOf(const std::vector<Work>& work, Encoder& encoder, std::vector<std::
 std::vector<Json> rowsOf(const std::string& name, const Profile& profile, const std::vector<BenchView>& views) {
   const auto encoder = makeEncoder(profile);
   std::vector<std::uint8_t> code(profile.codeBytes());
-  Esf esf;
+  const std::unique_ptr<Esf> esf = makeEsf();
   std::vector<Json> rows;
   for (const std::size_t points : kPoints) {
-    const Times times = timesOf(workOf(views, points), *encoder, code, esf);
+    const Times times = timesOf(workOf(views, points), *encoder, code, *esf);
     if (times.ours_us.empty()) {
       std::fprintf(stderr, "voxid: no view has %zu points for both descriptors, its row is left out\n", points);
       continue;

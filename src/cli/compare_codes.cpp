@@ -45,10 +45,10 @@ class EsfCode : public FloatCode {
 
  private:
   const float* binsOf(Span<const PointUm> points) override {
-    return esf_.accept(points) ? esf_.describe().data() : nullptr;
+    return esf_->accept(points) ? esf_->describe().data() : nullptr;
   }
 
-  Esf esf_;
+  std::unique_ptr<Esf> esf_ = makeEsf();
 };
 
 bool differ(Span<const PointUm> points) {

@@ -12,12 +12,12 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <sstream>
 #include <vector>
 
 #include "counted.h"
+#include "picture_file.h"
 
 namespace voxid::cli {
 namespace {
@@ -84,14 +84,6 @@ std::string typeName(const cv::Mat& image) {
   return std::string(kDepths[image.depth()]) + ", " + counted(image.channels(), "channel");
 }
 
-cv::Mat decoded(const Bytes& bytes) {
-  try {
-    return cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {
-    return {};
-  }
-}
-
 Result<cv::Mat> readPixels(const std::string& path) {
   const Result<Bytes> bytes = readBytes(path);
   if (!bytes.ok()) return bytes.status;
@@ -99,7 +91,7 @@ Result<cv::Mat> readPixels(const std::string& path) {
     const Status status = checkPng(path, bytes.value);
     if (!status.ok()) return status;
   }
-  const cv::Mat image = decoded(bytes.value);
+  const cv::Mat image = decodePicture(bytes.value);
   if (image.empty()) {
     if (isPng(bytes.value)) return Status::damaged(path + ": damaged PNG, cannot be decoded");
     if (isTiff(bytes.value)) return Status::damaged(path + ": damaged TIFF, cannot be decoded");

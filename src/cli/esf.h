@@ -15,21 +15,15 @@ constexpr int kEsfBins = 640;
 /// pcl::ESFEstimation with a guard: on some clouds (two points, all points equal) it never returns.
 class Esf {
  public:
-  Esf();
-  ~Esf();
-  Esf(const Esf&) = delete;
-  Esf& operator=(const Esf&) = delete;
+  virtual ~Esf() = default;
 
   /// Takes the cloud and says whether ESF would answer: it draws triples until it has 20,000 that span a triangle, so
   /// some of them must.
-  bool accept(Span<const PointUm> points);
+  virtual bool accept(Span<const PointUm> points) = 0;
   /// The 640 bins of the cloud that was accepted; they differ from second to second, as ESF seeds itself by the clock.
-  const std::vector<float>& describe();
-
- private:
-  struct Estimation;
-  std::unique_ptr<Estimation> estimation_;
+  virtual const std::vector<float>& describe() = 0;
 };
+std::unique_ptr<Esf> makeEsf();
 
 /// Sum of absolute differences; `bins` is a multiple of 8.
 float l1OfFloats(const float* a, const float* b, int bins);

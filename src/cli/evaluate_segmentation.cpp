@@ -8,9 +8,9 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
 
 #include "cpu_time.h"
+#include "picture_file.h"
 #include "voxid/geometry/segmenter.h"
 
 namespace voxid::cli {
@@ -156,7 +156,7 @@ Result<LabelledScene> readScene(const std::filesystem::path& folder, const std::
   const Result<DepthFile> depth = readDepthFile((folder / (name + "_depth.png")).string(), CameraChoice{});
   if (!depth.ok()) return depth.status;
   const std::string labels_path = (folder / (name + "_labels.png")).string();
-  const cv::Mat labels = cv::imread(labels_path, cv::IMREAD_UNCHANGED);
+  const cv::Mat labels = readPicture(labels_path);
   if (labels.type() != CV_16UC1 || labels.size() != depth.value.pixels.size()) {
     return Status::cannotDo(labels_path + ": expected a 16-bit image of the depth image's size");
   }

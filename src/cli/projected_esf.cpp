@@ -40,8 +40,8 @@ class ProjectedEsfCode : public ViewCode {
 
   bool describe(const DepthView& depth, Span<const std::uint32_t> pixels, std::uint8_t* out) override {
     const std::vector<PointUm> points = pointsOf(depth, pixels);
-    if (!esf_.accept({points.data(), points.size()})) return false;
-    project(map_, rootsOf(esf_.describe().data()), out);
+    if (!esf_->accept({points.data(), points.size()})) return false;
+    project(map_, rootsOf(esf_->describe().data()), out);
     return true;
   }
   std::uint32_t distance(const std::uint8_t* a, const std::uint8_t* b) const override {
@@ -50,7 +50,7 @@ class ProjectedEsfCode : public ViewCode {
 
  private:
   IntegerMap map_;
-  Esf esf_;
+  std::unique_ptr<Esf> esf_ = makeEsf();
 };
 
 const float* binsOf(const CodeTable& esf, std::size_t row) { return reinterpret_cast<const float*>(esf.code(row)); }

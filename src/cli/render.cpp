@@ -6,11 +6,11 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
 
 #include "command.h"
+#include "picture_file.h"
 #include "table_scene.h"
 #include "voxid/library/mesh_reader.h"
 #include "voxid/library/sensor_model.h"
@@ -38,11 +38,9 @@ Status makeFolder(const fs::path& folder) {
   return error ? Status::cannotDo("cannot make " + folder.string() + ": " + error.message()) : Status{};
 }
 
-Status writePng(const fs::path& path, const Imager& imager, const std::vector<std::uint16_t>& pixels) try {
+Status writePng(const fs::path& path, const Imager& imager, const std::vector<std::uint16_t>& pixels) {
   const cv::Mat image(imager.height_px, imager.width_px, CV_16UC1, const_cast<std::uint16_t*>(pixels.data()));
-  return cv::imwrite(path.string(), image) ? Status{} : cannotWrite(path);
-} catch (const cv::Exception&) {
-  return cannotWrite(path);
+  return writePicture(path.string(), image) ? Status{} : cannotWrite(path);
 }
 
 /// As camera_calibration writes it, so that readDepthFile() and camera_info_manager find it.

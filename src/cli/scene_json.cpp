@@ -5,10 +5,10 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "free_place.h"
+#include "picture_file.h"
 #include "written_files.h"
 
 namespace voxid::cli {
@@ -208,10 +208,7 @@ std::string plotPath(const std::string& path, const std::string& input, bool sin
 }
 
 Status writeImage(const std::string& path, const cv::Mat& image) {
-  try {
-    if (cv::imwrite(path, image)) return {};
-  } catch (const cv::Exception&) {  // an ending that OpenCV does not know
-  }
+  if (writePicture(path, image)) return {};
   return Status::cannotDo(path +
                           ": the image cannot be written; expected an existing folder and an ending such as .png");
 }

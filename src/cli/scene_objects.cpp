@@ -6,9 +6,9 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "aliases_json.h"
+#include "picture_file.h"
 #include "voxid/geometry/segmenter.h"
 
 namespace voxid::cli {
@@ -82,7 +82,7 @@ class Reader {
     auto depth = readDepthFile((folder_ / (name + "_depth.png")).string(), CameraChoice{});
     if (!depth.ok()) return depth.status;
     const std::string labels_path = (folder_ / (name + "_labels.png")).string();
-    const cv::Mat labels = cv::imread(labels_path, cv::IMREAD_UNCHANGED);
+    const cv::Mat labels = readPicture(labels_path);
     if (labels.type() != CV_16UC1 || labels.size() != depth.value.pixels.size()) {
       return Status::cannotDo(labels_path + ": expected a 16-bit image of the depth image's size");
     }

@@ -33,7 +33,7 @@ class Worker {
       keep(described.bins.data(), kPaper, model);
       keep(shapes.data(), kD2, model);
     }
-    if (esf_.accept(span)) keep(esf_.describe().data(), kEsf, model);
+    if (esf_->accept(span)) keep(esf_->describe().data(), kEsf, model);
   }
 
  private:
@@ -45,7 +45,7 @@ class Worker {
   }
 
   Describer describer_;
-  Esf esf_;
+  std::unique_ptr<Esf> esf_ = makeEsf();
   const WholeModels& out_;
 };
 

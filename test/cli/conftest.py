@@ -45,12 +45,16 @@ class Answer:
 
 
 @pytest.fixture(scope="session")
-def voxid():
+def program():
     build = pathlib.Path(os.environ.get("VOXID_BUILD", "build"))
-    program = ROOT / os.environ.get("VOXID", build / "bin" / "voxid")
-    if not program.exists():
-        pytest.fail(f"{program} is not there; scripts/build makes it")
+    path = ROOT / os.environ.get("VOXID", build / "bin" / "voxid")
+    if not path.exists():
+        pytest.fail(f"{path} is not there; scripts/build makes it")
+    return path
 
+
+@pytest.fixture(scope="session")
+def voxid(program):
     def run(*arguments, timeout=120):
         command = [str(program), *map(str, arguments)]
         return Answer(subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=timeout))

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pcl_segmentation.h"
+#include "../pcl_segmentation.h"
 
 #include <pcl/common/io.h>
 #include <pcl/filters/project_inliers.h>
@@ -13,7 +13,7 @@
 
 #include <algorithm>
 
-#include "cpu_time.h"
+#include "../cpu_time.h"
 #include "voxid/geometry/segment_params.h"
 
 namespace voxid::cli {

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "esf.h"
+#include "../esf.h"
 
 #include <pcl/features/esf.h>
 #include <pcl/point_types.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numeric>
 
 namespace voxid::cli {
 namespace {
@@ -52,42 +50,32 @@ bool hasTriangles(const Cloud& cloud) {
   return good * 8 >= kTriples;
 }
 
-}  // namespace
+class PclEsf : public Esf {
+ public:
+  bool accept(Span<const PointUm> points) override {
+    cloud_->clear();
+    for (const PointUm& p : points) {
+      cloud_->push_back(
+          {static_cast<float>(p.x * 1e-6), static_cast<float>(p.y * 1e-6), static_cast<float>(p.z * 1e-6)});
+    }
+    return hasTriangles(*cloud_);
+  }
+  const std::vector<float>& describe() override {
+    esf_.setInputCloud(cloud_);
+    esf_.compute(output_);
+    std::copy(output_[0].histogram, output_[0].histogram + kEsfBins, bins_.begin());
+    return bins_;
+  }
 
-struct Esf::Estimation {
-  pcl::ESFEstimation<pcl::PointXYZ> esf;
-  Cloud::Ptr cloud{new Cloud};
-  pcl::PointCloud<pcl::ESFSignature640> output;
-  std::vector<float> bins = std::vector<float>(kEsfBins);
+ private:
+  pcl::ESFEstimation<pcl::PointXYZ> esf_;
+  Cloud::Ptr cloud_{new Cloud};
+  pcl::PointCloud<pcl::ESFSignature640> output_;
+  std::vector<float> bins_ = std::vector<float>(kEsfBins);
 };
 
-Esf::Esf() : estimation_(std::make_unique<Estimation>()) {}
-Esf::~Esf() = default;
+}  // namespace
 
-bool Esf::accept(Span<const PointUm> points) {
-  Cloud& cloud = *estimation_->cloud;
-  cloud.clear();
-  for (const PointUm& p : points) {
-    cloud.push_back({static_cast<float>(p.x * 1e-6), static_cast<float>(p.y * 1e-6), static_cast<float>(p.z * 1e-6)});
-  }
-  return hasTriangles(cloud);
-}
-
-const std::vector<float>& Esf::describe() {
-  Estimation& e = *estimation_;
-  e.esf.setInputCloud(e.cloud);
-  e.esf.compute(e.output);
-  std::copy(e.output[0].histogram, e.output[0].histogram + kEsfBins, e.bins.begin());
-  return e.bins;
-}
-
-float l1OfFloats(const float* a, const float* b, int bins) {
-  constexpr int kLanes = 8;  // sums of their own, so that compilers may use vectors
-  std::array<float, kLanes> sums{};
-  for (int i = 0; i < bins; i += kLanes) {
-    for (int lane = 0; lane < kLanes; ++lane) sums[lane] += std::abs(a[i + lane] - b[i + lane]);
-  }
-  return std::accumulate(sums.begin(), sums.end(), 0.0f);
-}
+std::unique_ptr<Esf> makeEsf() { return std::make_unique<PclEsf>(); }
 
 }  // namespace voxid::cli

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pcl_pose.h"
+#include "../pcl_pose.h"
 
 #include <pcl/features/fpfh.h>
 #include <pcl/features/normal_3d.h>
@@ -10,7 +10,7 @@
 
 #include <cstdlib>
 
-#include "cpu_time.h"
+#include "../cpu_time.h"
 #include "voxid/geometry/symmetry.h"
 
 namespace voxid::cli {
