@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <functional>
 #include <pluginlib/class_list_macros.hpp>
+#include <utility>
 
 #include "seconds.h"
 #include "stopwatch.h"
@@ -89,16 +90,17 @@ void ClassificationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image,
   followIndex(watch_.refresh());
   const auto objects = objectsFor(*image, *segments);
   const Result<DepthView> depth = viewFor(*image, *info, *segments);
+  const TargetMove move = moveFor(image->header);
   if (depth.ok())
-    nameAll(depth.value, *segments, objects.get());
+    nameAll(depth.value, *segments, move, objects.get());
   else
     refuse(depth.status.sentence, objects.get());
-  const Eigen::Isometry3d target_from_camera = moveToTarget(objects.get());
+  moveToTarget(move, objects.get());
   fillAnswers(objects.get());
   objects->classify_ms = watch.ms();
   objects->latency_ms = static_cast<float>(secondsBetween(image->header.stamp, ros::Time::now()) * 1e3);
   objects_.publish(objects);
-  if (depth.ok()) poses_.offer({image, info, segments, objects, target_from_camera});
+  if (depth.ok()) poses_.offer({image, info, segments, objects, move.target_from_camera});
   report(*objects, depth.status);
   health_.cost(watch.ms(), watch.cpuMs() + std::max(0.0, helpersCpuMs() - helped_ms));
 }
@@ -139,7 +141,8 @@ RecogniserPool* ClassificationNodelet::recognisers(int threads) {
   return recognisers_.get();
 }
 
-void ClassificationNodelet::nameAll(const DepthView& depth, const Segments& segments, Objects* objects) {
+void ClassificationNodelet::nameAll(const DepthView& depth, const Segments& segments, const TargetMove& move,
+                                    Objects* objects) {
   const ClassifyParams wanted = params();
   RecogniserPool* const recognisers = this->recognisers(wanted.threads);
   pixels_.clear();
@@ -155,52 +158,77 @@ void ClassificationNodelet::nameAll(const DepthView& depth, const Segments& segm
     if (objects->status == kOk) setStatus(kNoIndex, watch_.trouble(), objects);
     return;
   }
+  // Poses that did not come into the target frame cannot be compared with those before.
+  const bool remembered = memory_ && move.trouble.empty();
+  if (remembered) follow(segments, move);
+  due_.assign(pixels_.size(), true);
+  if (remembered) leaveOutWhatIsKnown();
   const std::vector<Answer>& answers =
       recognisers->recogniseAll(depth, {pixels_.data(), pixels_.size()}, wanted, std::ref(fill));
   answers_.assign(answers.begin(), answers.end());
+  if (remembered) remember(objects);
   objects->index = recognisers->index().path();
 }
 
-Eigen::Isometry3d ClassificationNodelet::moveToTarget(Objects* objects) {
-  const Eigen::Isometry3d unmoved = Eigen::Isometry3d::Identity();
-  if (!transforms_ || objects->camera_frame == target_frame_) return unmoved;
+ClassificationNodelet::TargetMove ClassificationNodelet::moveFor(const std_msgs::Header& header) const {
+  TargetMove move;
+  move.wanted = transforms_ && header.frame_id != target_frame_;
+  if (!move.wanted) return move;
   try {
-    const auto found =
-        transformAt(*transforms_, target_frame_, objects->camera_frame, objects->header.stamp, transform_tolerance_ms_);
-    const Eigen::Isometry3d target_from_camera = eigenOf(found.transform);
-    transform(target_from_camera, objects);
-    objects->header.frame_id = target_frame_;
-    return target_from_camera;
+    const auto found = transformAt(*transforms_, target_frame_, header.frame_id, header.stamp, transform_tolerance_ms_);
+    move.target_from_camera = eigenOf(found.transform);
   } catch (const tf2::TransformException& error) {
-    if (!objects->objects.empty())
-      setStatus(kNoTransform, std::string(statusText(kNoTransform)) + " (" + error.what() + ")", objects);
+    move.trouble = error.what();
   }
-  return unmoved;
+  return move;
 }
 
-// Poses that did not come into the target frame cannot be compared with those before.
-void ClassificationNodelet::fillAnswers(Objects* objects) {
-  const bool comparable = objects->status != kNoTransform && objects->status != kBadInput;
-  const bool remembered = memory_ && comparable;
-  if (remembered) remember(*objects);
-  if (remembered) {
-    for (std::size_t i = 0; i < answers_.size(); ++i) objects->objects[i].number = memory_->numberOf(i);
+void ClassificationNodelet::moveToTarget(const TargetMove& move, Objects* objects) {
+  if (!move.wanted) return;
+  if (!move.trouble.empty()) {
+    if (!objects->objects.empty())
+      setStatus(kNoTransform, std::string(statusText(kNoTransform)) + " (" + move.trouble + ")", objects);
+    return;
   }
+  transform(move.target_from_camera, objects);
+  objects->header.frame_id = target_frame_;
+}
+
+void ClassificationNodelet::follow(const Segments& segments, const TargetMove& move) {
+  const Eigen::Isometry3d& target_from_camera = move.target_from_camera;
+  sightings_.clear();
+  for (const Segment& segment : segments.segments) {
+    const Eigen::Vector3d position_m = target_from_camera * eigenOf(segment.pose.position);
+    sightings_.push_back({position_m.cast<float>(), eigenOf(segment.extents_m).cast<float>()});
+  }
+  const Eigen::Vector3d up = target_from_camera.rotation() * eigenOf(segments.table.normal);
+  memory_->update(microsecondsOf(segments.header.stamp), up.cast<float>(), {sightings_.data(), sightings_.size()},
+                  memoryParams());
+}
+
+// An object without pixels is not described. New parameters are in effect in the next frame, for all objects.
+void ClassificationNodelet::leaveOutWhatIsKnown() {
+  const bool all = takeNewParams();
+  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    due_[i] = all || memory_->isDue(i);
+    if (!due_[i]) pixels_[i] = {};
+  }
+}
+
+void ClassificationNodelet::remember(Objects* objects) {
+  const Index& index = recognisers_->index();
+  const int min_score_permille = params().min_score_permille;
+  for (std::size_t i = 0; i < answers_.size(); ++i) {
+    answers_[i] = due_[i] ? memory_->remember(i, index, answers_[i], min_score_permille)
+                          : memory_->recall(i, index, min_score_permille);
+    objects->objects[i].number = memory_->numberOf(i);
+  }
+}
+
+void ClassificationNodelet::fillAnswers(Objects* objects) {
   poses_.show(params().min_score_permille, objects, &answers_);
   for (std::size_t i = 0; i < answers_.size(); ++i)
     fillAnswer(answers_[i], recognisers_->index(), &objects->objects[i]);
-}
-
-void ClassificationNodelet::remember(const Objects& objects) {
-  sightings_.clear();
-  for (const Object& object : objects.objects) {
-    sightings_.push_back({eigenOf(object.pose.pose.position).cast<float>(), eigenOf(object.extents_m).cast<float>()});
-  }
-  memory_->update(microsecondsOf(objects.header.stamp), eigenOf(objects.table.normal).cast<float>(),
-                  {sightings_.data(), sightings_.size()}, memoryParams());
-  const int min_score_permille = params().min_score_permille;
-  for (std::size_t i = 0; i < answers_.size(); ++i)
-    answers_[i] = memory_->remember(i, recognisers_->index(), answers_[i], min_score_permille);
 }
 
 void ClassificationNodelet::report(const Objects& objects, const Status& input) {
@@ -243,6 +271,12 @@ void ClassificationNodelet::onConfig(const ClassificationConfig& config) {
   const std::lock_guard<std::mutex> lock(params_mutex_);
   params_ = paramsOf(config);
   memory_params_ = memoryParamsOf(config);
+  params_are_new_ = true;
+}
+
+bool ClassificationNodelet::takeNewParams() {
+  const std::lock_guard<std::mutex> lock(params_mutex_);
+  return std::exchange(params_are_new_, false);
 }
 
 ClassifyParams ClassificationNodelet::params() const {

@@ -37,6 +37,12 @@ class ClassificationNodelet : public nodelet::Nodelet {
 
  private:
   using Frame = FrameSync<sensor_msgs::Image, sensor_msgs::CameraInfo, Segments>;
+  // From the camera's frame into ~target_frame at a frame's stamp.
+  struct TargetMove {
+    Eigen::Isometry3d target_from_camera = Eigen::Isometry3d::Identity();
+    bool wanted = false;
+    std::string trouble;  // why it is not known; empty: it is
+  };
 
   void onInit() override;
   void onListeners();
@@ -50,19 +56,24 @@ class ClassificationNodelet : public nodelet::Nodelet {
   RecogniserPool* recognisers(int threads);
   double helpersCpuMs() const;
   void refuse(const std::string& sentence, Objects* objects);
-  void nameAll(const DepthView& depth, const Segments& segments, Objects* objects);
-  Eigen::Isometry3d moveToTarget(Objects* objects);
+  TargetMove moveFor(const std_msgs::Header& header) const;
+  void nameAll(const DepthView& depth, const Segments& segments, const TargetMove& move, Objects* objects);
+  void follow(const Segments& segments, const TargetMove& move);
+  void leaveOutWhatIsKnown();
+  void remember(Objects* objects);
+  void moveToTarget(const TargetMove& move, Objects* objects);
   void fillAnswers(Objects* objects);
-  void remember(const Objects& objects);
   void report(const Objects& objects, const Status& input);
   std::string trouble() const;
   ClassifyParams params() const;
   MemoryParams memoryParams() const;
+  bool takeNewParams();
 
   bool closing_ = false;
   mutable std::mutex params_mutex_;
   ClassifyParams params_;
   MemoryParams memory_params_;
+  bool params_are_new_ = true;  // since the last frame
   IndexWatch watch_;
   std::string categories_;
   bool size_ = false;
@@ -74,6 +85,7 @@ class ClassificationNodelet : public nodelet::Nodelet {
   bool remembers_ = true;
   std::unique_ptr<ObjectMemory> memory_;
   std::vector<Sighting> sightings_;
+  std::vector<bool> due_;  // of the frame's objects: described in it
   PoseFinder poses_;
   MessagePool<Objects> pool_;
   Spares<Object> spares_;

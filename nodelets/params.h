@@ -109,6 +109,7 @@ inline MemoryParams memoryParamsOf(const ClassificationConfig& config) {
   params.memory_gate_mm = config.memory_gate_mm;
   params.memory_keep_ms = config.memory_keep_ms;
   params.memory_half_life_ms = config.memory_half_life_ms;
+  params.memory_describe_ms = config.memory_describe_ms;
   return params;
 }
 

@@ -96,8 +96,8 @@ void DepthDescriber::Workspace::countPairs() {
       group.set(i, cells[first], cells[second], cells[std::exchange(before, first)]);
     }
     group.measure(patch, bins);
-    for (const PairGroup::Lanes& lanes : bins) {
-      for (std::size_t i = 0; i < count; ++i) ++counts[static_cast<std::size_t>(lanes[i])];
+    for (std::size_t i = 0; i < count; ++i) {  // a pair's bins differ: no count waits for the one before
+      for (const PairGroup::Lanes& lanes : bins) ++counts[static_cast<std::size_t>(lanes[i])];
     }
     left -= count;
   }

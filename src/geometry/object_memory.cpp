@@ -121,9 +121,37 @@ ObjectMemory::Track* ObjectMemory::freeTrack() {
   return found == tracks_.end() ? nullptr : &*found;
 }
 
+bool ObjectMemory::isTracked(std::size_t sighting) const {
+  return sighting < track_of_.size() && track_of_[sighting] != kNoTrack;
+}
+
+// Objects begin their turns at times of their own: the golden ratio's multiples lie evenly, however many there are.
+std::int64_t ObjectMemory::turnOf(const Track& track, std::int64_t time_us) const {
+  constexpr std::uint32_t kGolden_q32 = 2654435769;
+  const std::int64_t every_us = std::int64_t{params_.memory_describe_ms} * 1000;
+  return (time_us + (every_us * (track.number * kGolden_q32) >> 32)) / every_us;
+}
+
+bool ObjectMemory::isDue(std::size_t sighting) const {
+  if (!isTracked(sighting) || params_.memory_describe_ms <= 0 || params_.memory_half_life_ms <= 0) return true;
+  const Track& track = tracks_[track_of_[sighting]];
+  const bool changed = track.size_changed_us != 0 || track.look_changed_us != 0;
+  return changed || evidence_[track_of_[sighting]].empty() ||
+         turnOf(track, now_us_) != turnOf(track, track.remembered_us);
+}
+
+Answer ObjectMemory::answerOf(std::uint32_t track, const Index& index, int min_score_permille) {
+  const bool settled = now_us_ - tracks_[track].first_us >= kSettledAfter_ms * 1000;
+  return evidence_[track].answer(index, min_score_permille, settled ? kHold : 0);
+}
+
+Answer ObjectMemory::recall(std::size_t sighting, const Index& index, int min_score_permille) {
+  return isTracked(sighting) ? answerOf(track_of_[sighting], index, min_score_permille) : Answer{};
+}
+
 Answer ObjectMemory::remember(std::size_t sighting, const Index& index, const Nearest& nearest, const Answer& answer,
                               int min_score_permille) {
-  if (sighting >= track_of_.size() || track_of_[sighting] == kNoTrack || answer.count == 0) return answer;
+  if (!isTracked(sighting) || answer.count == 0) return answer;
   Track& track = tracks_[track_of_[sighting]];
   Evidence& evidence = evidence_[track_of_[sighting]];
   if (!evidence.empty()) evidence.forget((now_us_ - track.remembered_us) / 1000, params_.memory_half_life_ms);
@@ -136,8 +164,7 @@ Answer ObjectMemory::remember(std::size_t sighting, const Index& index, const Ne
     evidence.add(index, nearest, answer);
     numbers_[sighting] = track.number;
   }
-  const bool settled = now_us_ - track.first_us >= kSettledAfter_ms * 1000;
-  return evidence.answer(index, min_score_permille, settled ? kHold : 0);
+  return answerOf(track_of_[sighting], index, min_score_permille);
 }
 
 Answer ObjectMemory::remember(std::size_t sighting, const Index& index, const Answer& answer, int min_score_permille) {

@@ -28,12 +28,12 @@ class ObjectMemoryTest : public testing::Test {
   void pass(int frames) { now_us_ += frames * kFrame_us; }
 
   /// The label after a frame with these distances of the categories.
-  std::uint32_t look(std::uint32_t first, std::uint32_t second, std::uint32_t third = 1000) {
+  std::uint32_t look(std::uint32_t first, std::uint32_t second, std::uint32_t third = 1000, std::size_t sighting = 0) {
     std::vector<Neighbour> categories{{0, first}, {10, second}, {20, third}};
     std::sort(categories.begin(), categories.end());
     const Nearest nearest{{categories.data(), 3}, {categories.data(), 3}, 30};
     const Answer alone = classify(*index_, nearest, ClassifyMethod::Vote, 0);
-    return memory_.remember(0, *index_, nearest, alone, 0).alternatives[0].category;
+    return memory_.remember(sighting, *index_, nearest, alone, 0).alternatives[0].category;
   }
 
   static Sighting at(float x, float y, float z = 0.05f, const Vector3f& size = {0.1f, 0.08f, 0.1f}) {
@@ -171,6 +171,90 @@ TEST_F(ObjectMemoryTest, ALabelGivesWayToWhatIsBetterByASixteenth) {
   EXPECT_EQ(labelAfter(40, 100, 110), 0u);
   EXPECT_EQ(labelAfter(1500, 100, 97), 0u);  // 50 s: five half-lives
   EXPECT_EQ(labelAfter(1500, 100, 88), 1u);
+}
+
+TEST_F(ObjectMemoryTest, EachOfTenThingsAtRestIsDescribedOnceInItsTimeAndEachFrameHasItsShare) {
+  params_.memory_describe_ms = 100;
+  std::vector<Sighting> ten;
+  for (int i = 0; i < 10; ++i) ten.push_back(at(0.2f * static_cast<float>(i), 0));
+  std::vector<int> described(ten.size());
+  const auto describeWhatIsDue = [&] {
+    int due = 0;
+    for (std::size_t i = 0; i < ten.size(); ++i) {
+      if (!memory_.isDue(i)) continue;
+      look(100, 300, 1000, i);
+      ++described[i];
+      ++due;
+    }
+    return due;
+  };
+  frame(ten);
+  EXPECT_EQ(describeWhatIsDue(), 10) << "all are new";
+  for (int i = 0; i < 90; ++i) {  // three seconds
+    frame(ten);
+    ASSERT_LE(describeWhatIsDue(), 4) << i;
+  }
+  for (const int times : described) EXPECT_TRUE(times >= 30 && times <= 31) << times;
+}
+
+TEST_F(ObjectMemoryTest, WhatIsNotDueIsWhatItWas) {
+  for (int i = 0; i < 30; ++i) {
+    frame({at(0, 0)});
+    look(100 + static_cast<std::uint32_t>(i), 110);
+  }
+  frame({at(0, 0)});
+  const Answer before = memory_.recall(0, *index_, 0);
+  EXPECT_EQ(before.alternatives[0].category, 1u);
+  EXPECT_EQ(before.alternatives[0].distance, 110u);
+  EXPECT_EQ(before.count, 3);
+  frame({at(0, 0)});
+  EXPECT_EQ(memory_.recall(0, *index_, 0).score_permille, before.score_permille);
+  EXPECT_EQ(memory_.recall(1, *index_, 0).count, 0) << "never seen";
+}
+
+TEST_F(ObjectMemoryTest, WhatLooksOtherwiseIsDescribedInEveryFrameAndAnExchangeIsStillNoticed) {
+  for (int i = 0; i < 60; ++i) {
+    frame({at(0, 0)});
+    if (memory_.isDue(0)) look(100, 300);
+  }
+  int frames = 0, described = 0;
+  do {
+    frame({at(0, 0)});
+    ASSERT_LT(++frames, 30);
+    if (memory_.isDue(0)) look(300, 100), ++described;
+  } while (memory_.numberOf(0) == 1);
+  EXPECT_LE(frames * kFrame_us, 500000);
+  EXPECT_GE(described, frames - 2);
+}
+
+TEST_F(ObjectMemoryTest, WhatMeasuresOtherwiseIsDue) {
+  for (int i = 0; i < 3; ++i) {
+    frame({at(0, 0)});
+    look(100, 300);
+  }
+  for (int i = 0; i < 6; ++i) {
+    frame({at(0, 0, 0.05f, {0.14f, 0.08f, 0.1f})});
+    ASSERT_TRUE(memory_.isDue(0));
+    look(100, 300);
+  }
+}
+
+TEST_F(ObjectMemoryTest, EverythingIsDueWithoutATimeAndWithoutAHalfLife) {
+  const auto dueAtRest = [&](const MemoryParams& params) {
+    params_ = params;
+    int due = 0;
+    for (int i = 0; i < 10; ++i) {
+      frame({at(0, 0)});
+      if (memory_.isDue(0)) look(100, 300), ++due;
+    }
+    return due;
+  };
+  MemoryParams at_once, forgetful;
+  at_once.memory_describe_ms = 0;
+  forgetful.memory_half_life_ms = 0;
+  EXPECT_LE(dueAtRest({}), 5);
+  EXPECT_EQ(dueAtRest(at_once), 10);
+  EXPECT_EQ(dueAtRest(forgetful), 10);
 }
 
 TEST_F(ObjectMemoryTest, TimeThatGoesBackForgetsEverything) {

@@ -237,6 +237,18 @@ TEST_F(Memory, ItsParametersWorkInTheNextFrame) {
   for (int frame = 0; frame < 10; ++frame) thing();
   const float remembered = thing().score;
   EXPECT_NE(remembered, aloneScore()) << "the mean of all frames";
+
+  const auto scoresOfTenFrames = [&] {
+    std::set<float> scores;
+    for (int frame = 0; frame < 10; ++frame) scores.insert(thing().score);
+    return scores.size();
+  };
+  set("memory_describe_ms", 1000);
+  thing();  // new parameters: everything is described once
+  EXPECT_LE(scoresOfTenFrames(), 2u) << "described once at most in a third of a second";
+  set("memory_describe_ms", 0);
+  EXPECT_GE(scoresOfTenFrames(), 5u) << "described in every frame";
+
   set("memory_half_life_ms", 0);
   const float forgotten = thing().score;
   EXPECT_EQ(forgotten, aloneScore()) << "of the frame alone";
@@ -255,7 +267,8 @@ TEST_F(Memory, ItsParametersWorkInTheNextFrame) {
   std::set<std::string> names;
   MemoryParams params;
   visitParams(params, [&](const char* name, auto&, auto, auto) { names.insert(name); });
-  EXPECT_EQ(names, (std::set<std::string>{"memory_gate_mm", "memory_half_life_ms", "memory_keep_ms"}));
+  EXPECT_EQ(names,
+            (std::set<std::string>{"memory_describe_ms", "memory_gate_mm", "memory_half_life_ms", "memory_keep_ms"}));
 }
 
 /// Where the camera is when a frame is taken.

@@ -12,6 +12,8 @@ struct MemoryParams {
   int memory_keep_ms = 3000;
   /// What was seen so long ago counts half; 0: each frame by itself. Shorter follows changes sooner and flickers more. [0 to 600000]
   int memory_half_life_ms = 10000;
+  /// What rests is described once in this time, what is new or looks otherwise in every frame; 0: everything in every frame. Shorter takes more processor time, longer notices an exchange later. [0 to 1000]
+  int memory_describe_ms = 150;
 };
 
 /// visit(name, value, least, most) for each parameter: for programs that set them by name.
@@ -20,6 +22,7 @@ void visitParams(MemoryParams& params, Visit visit) {
   visit("memory_gate_mm", params.memory_gate_mm, 5, 500);
   visit("memory_keep_ms", params.memory_keep_ms, 0, 60000);
   visit("memory_half_life_ms", params.memory_half_life_ms, 0, 600000);
+  visit("memory_describe_ms", params.memory_describe_ms, 0, 1000);
 }
 
 }  // namespace voxid

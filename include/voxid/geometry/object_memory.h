@@ -39,6 +39,14 @@ class ObjectMemory {
   Span<const std::uint32_t> update(std::int64_t time_us, const Eigen::Vector3f& up, Span<const Sighting> sightings,
                                    const MemoryParams& params);
 
+  /// Whether the i-th sighting of the last update is to be described in this frame: always where it is new, is not
+  /// remembered, or looks or measures otherwise than it used to; else once in each memory_describe_ms. The objects'
+  /// turns are spread over that time, so that each frame has its share of them.
+  bool isDue(std::size_t sighting) const;
+
+  /// What the frames before said about the i-th sighting of the last update: the answer for one that is not due.
+  Answer recall(std::size_t sighting, const Index& index, int min_score_permille);
+
   /// What this frame and those before say about the i-th sighting of the last update. If the object has looked like
   /// another one for kExchangedAfter_ms (its category lies half as far again as it used to), it is one from then on:
   /// its number is new.
@@ -72,6 +80,9 @@ class ObjectMemory {
   void follow(Track& track, const Sighting& sighting);
   void startAnew(Track& track);
   Track* freeTrack();
+  bool isTracked(std::size_t sighting) const;
+  std::int64_t turnOf(const Track& track, std::int64_t time_us) const;
+  Answer answerOf(std::uint32_t track, const Index& index, int min_score_permille);
 
   std::vector<Track> tracks_;
   std::vector<Evidence> evidence_;  // by track
