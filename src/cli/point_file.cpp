@@ -5,9 +5,9 @@
 #include <cctype>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
 #include "pcd_file.h"
+#include "voxid/library/text_file.h"
 
 namespace voxid::cli {
 namespace {
@@ -52,7 +52,7 @@ bool parseLine(const std::string& line, double (&xyz)[3]) {
 }
 
 Result<Points> readXyz(const std::string& path) {
-  std::ifstream file(path);
+  std::ifstream file = openText(path);
   if (!file) return Status::cannotDo(path + ": cannot be opened for reading");
   Points points;
   std::string line;

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 
 #include "counted.h"
+#include "voxid/library/text_file.h"
 
 namespace voxid::cli {
 namespace {
@@ -45,7 +45,7 @@ Result<Columns> columnsOf(const std::string& path, const Fields& header) {
 
 Result<std::vector<Query>> readQueries(const std::string& folder, int every) {
   const fs::path path = fs::path(folder) / "queries.csv";
-  std::ifstream file(path);
+  std::ifstream file = openText(path.string());
   if (!file)
     return Status::cannotDo(path.string() +
                             ": cannot be read; --queries expects a folder with queries.csv and its images");

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // voxid train: models become a projection.
-#include <fstream>
 #include <memory>
 #include <string>
 
 #include "build_progress.h"
 #include "command.h"
+#include "voxid/library/text_file.h"
 #include "voxid/library/trainer.h"
 
 namespace voxid::cli {
@@ -17,7 +17,7 @@ struct Options {
 };
 
 Result<std::vector<std::string>> linesOf(const std::string& path) {
-  std::ifstream file(path);
+  std::ifstream file = openText(path);
   if (!file) return Status::cannotDo("cannot read " + path);
   std::vector<std::string> lines;
   for (std::string line; std::getline(file, line);) {

@@ -4,9 +4,9 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <fstream>
 
 #include "sizes_yaml.h"
+#include "voxid/library/text_file.h"
 
 namespace voxid {
 namespace {
@@ -18,7 +18,7 @@ bool anyOf(const AllowedCategories& allowed) { return std::find(allowed.begin(),
 }  // namespace
 
 Result<AllowedCategories> readAllowedCategories(const std::string& path, const Index& index) {
-  std::ifstream file(path);
+  std::ifstream file = openText(path);
   if (!file) return Status::cannotDo(path + ": cannot be read; expected a file of category names, one a line");
   AllowedCategories allowed(index.categories().size);
   for (std::string line; std::getline(file, line);) {

@@ -109,6 +109,14 @@ def test_bad_queries(voxid, index, queries, tmp_path):
     voxid("eval", "--index", tmp_path / "none.vxi", "--queries", queries).refuses(1, "none.vxi")
 
 
+def test_a_byte_order_mark_is_no_part_of_the_first_name(voxid, index, queries, tmp_path):
+    for path in queries.iterdir():
+        if path.name != "queries.csv":
+            (tmp_path / path.name).symlink_to(path)
+    (tmp_path / "queries.csv").write_text((queries / "queries.csv").read_text(), encoding="utf-8-sig")
+    assert voxid("eval", "--index", index, "--queries", tmp_path, "--json").json["queries"] == 6
+
+
 def test_the_real_queries(voxid, index):
     folder = ROOT / "../shared/data/queries/dev"
     if not folder.exists():
