@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "esf.h"
+#include "float_distance.h"
 #include "float_shapes.h"
 #include "voxid/core/descriptor.h"
 

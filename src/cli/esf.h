@@ -25,7 +25,4 @@ class Esf {
 };
 std::unique_ptr<Esf> makeEsf();
 
-/// Sum of absolute differences; `bins` is a multiple of 8.
-float l1OfFloats(const float* a, const float* b, int bins);
-
 }  // namespace voxid::cli

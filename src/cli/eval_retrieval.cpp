@@ -6,7 +6,7 @@
 #include <limits>
 #include <set>
 
-#include "esf.h"
+#include "float_distance.h"
 #include "evaluation.h"
 #include "retrieval.h"
 #include "voxid/library/surface_points.h"

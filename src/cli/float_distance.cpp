@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "float_distance.h"
+
 #include <array>
 #include <cmath>
 #include <numeric>
-
-#include "esf.h"
 
 namespace voxid::cli {
 

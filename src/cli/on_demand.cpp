@@ -7,7 +7,7 @@
 
 namespace voxid::cli {
 
-const void* tableOf(const std::string& part) {
+const void* load(const std::string& part) {
   const std::string name = "voxid_cli_" + part;
   void* const library = ::dlopen(("lib" + name + ".so").c_str(), RTLD_LAZY | RTLD_LOCAL);
   void* const function = library == nullptr ? nullptr : ::dlsym(library, name.c_str());

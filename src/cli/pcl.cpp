@@ -6,10 +6,7 @@
 namespace voxid::cli {
 namespace {
 
-const PclTable& table() {
-  static const auto& loaded = *static_cast<const PclTable*>(tableOf("pcl"));
-  return loaded;
-}
+const PclTable& table() { return tableOf<PclTable>("pcl"); }
 
 }  // namespace
 

@@ -7,15 +7,12 @@
 namespace voxid::cli {
 namespace {
 
-const PictureTable& pictures() {
-  static const auto& table = *static_cast<const PictureTable*>(tableOf("pictures"));
-  return table;
-}
+const PictureTable& table() { return tableOf<PictureTable>("pictures"); }
 
 }  // namespace
 
-cv::Mat decodePicture(const std::vector<std::uint8_t>& bytes) { return pictures().decode(bytes); }
-cv::Mat readPicture(const std::string& path) { return pictures().read(path); }
-bool writePicture(const std::string& path, const cv::Mat& picture) { return pictures().write(path, picture); }
+cv::Mat decodePicture(const std::vector<std::uint8_t>& bytes) { return table().decode(bytes); }
+cv::Mat readPicture(const std::string& path) { return table().read(path); }
+bool writePicture(const std::string& path, const cv::Mat& picture) { return table().write(path, picture); }
 
 }  // namespace voxid::cli
