@@ -55,14 +55,21 @@ void Evidence::add(const Index& index, const Nearest& nearest, const Answer& ans
     const std::uint32_t category = categoryOf(index, met);
     if (category >= categories_.size()) continue;
     categories_[category].distances -= (farthest - met.distance) * kOne;
-    categories_[category].last = met;
   }
+  see(index, nearest);
   for (int i = 0; i < answer.count; ++i) {
     const Alternative& alternative = answer.alternatives[static_cast<std::size_t>(i)];
     if (alternative.category < categories_.size())
       categories_[alternative.category].scores += alternative.score_permille * kOne;
   }
   weight_ += kOne;
+}
+
+void Evidence::see(const Index& index, const Nearest& nearest) {
+  for (const Neighbour& met : nearest.categories) {
+    const std::uint32_t category = categoryOf(index, met);
+    if (category < categories_.size()) categories_[category].last = met;
+  }
 }
 
 bool Evidence::closer(std::uint32_t a, std::uint32_t b) const {

@@ -132,12 +132,13 @@ std::int64_t ObjectMemory::turnOf(const Track& track, std::int64_t time_us) cons
   return (time_us + (every_us * (track.number * kGolden_q32) >> 32)) / every_us;
 }
 
+bool ObjectMemory::isTurn(std::uint32_t track) const {
+  if (params_.memory_describe_ms <= 0 || params_.memory_half_life_ms <= 0 || evidence_[track].empty()) return true;
+  return turnOf(tracks_[track], now_us_) != turnOf(tracks_[track], tracks_[track].remembered_us);
+}
+
 bool ObjectMemory::isDue(std::size_t sighting) const {
-  if (!isTracked(sighting) || params_.memory_describe_ms <= 0 || params_.memory_half_life_ms <= 0) return true;
-  const Track& track = tracks_[track_of_[sighting]];
-  const bool changed = track.size_changed_us != 0 || track.look_changed_us != 0;
-  return changed || evidence_[track_of_[sighting]].empty() ||
-         turnOf(track, now_us_) != turnOf(track, track.remembered_us);
+  return !isTracked(sighting) || tracks_[track_of_[sighting]].hasChanged() || isTurn(track_of_[sighting]);
 }
 
 Answer ObjectMemory::answerOf(std::uint32_t track, const Index& index, int min_score_permille) {
@@ -154,13 +155,20 @@ Answer ObjectMemory::remember(std::size_t sighting, const Index& index, const Ne
   if (!isTracked(sighting) || answer.count == 0) return answer;
   Track& track = tracks_[track_of_[sighting]];
   Evidence& evidence = evidence_[track_of_[sighting]];
-  if (!evidence.empty()) evidence.forget((now_us_ - track.remembered_us) / 1000, params_.memory_half_life_ms);
-  track.remembered_us = now_us_;
+  const bool is_added = !track.hasChanged() || isTurn(track_of_[sighting]);
+  if (is_added && !evidence.empty())
+    evidence.forget((now_us_ - track.remembered_us) / 1000, params_.memory_half_life_ms);
   const std::uint32_t usual = evidence.meanDistance();
-  evidence.add(index, nearest, answer);
+  if (is_added) {
+    track.remembered_us = now_us_;
+    evidence.add(index, nearest, answer);
+  } else {
+    evidence.see(index, nearest);
+  }
   const bool differs = usual > 0 && evidence.lastDistance() > usual + usual / 2;
   if (lasts(differs, now_us_, track.look_changed_us)) {
     startAnew(track);
+    track.remembered_us = now_us_;
     evidence.add(index, nearest, answer);
     numbers_[sighting] = track.number;
   }

@@ -26,6 +26,9 @@ class Evidence {
   /// far as the farthest that was. Nothing is added if `nearest` is empty.
   void add(const Index& index, const Nearest& nearest, const Answer& answer);
 
+  /// One frame that says where its categories lie and adds nothing to the sums.
+  void see(const Index& index, const Nearest& nearest);
+
   /// What all frames say: categories by their sums, with the view of the last frame. The first gives way to another
   /// only if that is better by more than 1/`hold` of its sum (0: by anything). score_permille is the mean over the
   /// frames of the score that each gave the category. `count` is zero if no frame was added.

@@ -49,7 +49,7 @@ class ObjectMemory {
 
   /// What this frame and those before say about the i-th sighting of the last update. If the object has looked like
   /// another one for kExchangedAfter_ms (its category lies half as far again as it used to), it is one from then on:
-  /// its number is new.
+  /// its number is new. Frames out of its turn tell that and add nothing: else the new thing would soon be the usual.
   Answer remember(std::size_t sighting, const Index& index, const Nearest& nearest, const Answer& answer,
                   int min_score_permille);
 
@@ -67,6 +67,8 @@ class ObjectMemory {
     std::int64_t first_us = 0, last_us = 0, remembered_us = 0;
     std::int64_t size_changed_us = 0, look_changed_us = 0;  // since when it looks otherwise; 0: it does not
     Eigen::Vector3f position_m, extents_m;
+
+    bool hasChanged() const { return size_changed_us != 0 || look_changed_us != 0; }
   };
   struct Pair {
     bool established;
@@ -81,6 +83,7 @@ class ObjectMemory {
   void startAnew(Track& track);
   Track* freeTrack();
   bool isTracked(std::size_t sighting) const;
+  bool isTurn(std::uint32_t track) const;
   std::int64_t turnOf(const Track& track, std::int64_t time_us) const;
   Answer answerOf(std::uint32_t track, const Index& index, int min_score_permille);
 
