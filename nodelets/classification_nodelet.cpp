@@ -90,11 +90,11 @@ void ClassificationNodelet::onFrame(const sensor_msgs::ImageConstPtr& image,
   followIndex(watch_.refresh());
   const auto objects = objectsFor(*image, *segments);
   const Result<DepthView> depth = viewFor(*image, *info, *segments);
-  const TargetMove move = moveFor(image->header);
   if (depth.ok())
-    nameAll(depth.value, *segments, move, objects.get());
+    nameAll(depth.value, *segments, moveFor(image->header), objects.get());
   else
     refuse(depth.status.sentence, objects.get());
+  const TargetMove move = moveFor(image->header);  // again: that of the stamp may have come while objects were named
   moveToTarget(move, objects.get());
   fillAnswers(objects.get());
   objects->classify_ms = watch.ms();
@@ -159,7 +159,7 @@ void ClassificationNodelet::nameAll(const DepthView& depth, const Segments& segm
     return;
   }
   // Poses that did not come into the target frame cannot be compared with those before.
-  const bool remembered = memory_ && move.trouble.empty();
+  const bool remembered = memory_ && move.trouble.empty() && segments.status != kBadInput;
   if (remembered) follow(segments, move);
   due_.assign(pixels_.size(), true);
   if (remembered) leaveOutWhatIsKnown();
