@@ -4,8 +4,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
+#include "../core/vectorised.h"
 #include "surface_painter.h"
 #include "thinned_surface.h"
 
@@ -22,14 +22,15 @@ constexpr int kRings = PolarLook::kRings, kRolls = PolarLook::kRolls;
 constexpr float kWidest = 2.2f;
 
 std::uint8_t codeOfDepth(float in_radii) {
-  return static_cast<std::uint8_t>(std::lround(std::clamp(105 + 80 * in_radii, 10.0f, 200.0f)));
+  return static_cast<std::uint8_t>(std::clamp(105 + 80 * in_radii, 10.0f, 200.0f) + 0.5f);
 }
 
 std::uint8_t lookAt(const Observation& seen, const Vector3f& point, const Vector3f& forward) {
-  const int u = static_cast<int>(std::lround(seen.grid.fx * point.x() / point.z() + seen.grid.cx));
-  const int v = static_cast<int>(std::lround(seen.grid.fy * point.y() / point.z() + seen.grid.cy));
-  if (!seen.grid.contains(u, v)) return PolarLook::kOutside;
-  const std::size_t cell = seen.grid.at(u, v);
+  const float u = seen.grid.fx * point.x() / point.z() + seen.grid.cx + 0.5f;
+  const float v = seen.grid.fy * point.y() / point.z() + seen.grid.cy + 0.5f;
+  if (!(u >= 0 && v >= 0 && u < static_cast<float>(seen.grid.width) && v < static_cast<float>(seen.grid.height)))
+    return PolarLook::kOutside;
+  const std::size_t cell = seen.grid.at(static_cast<int>(u), static_cast<int>(v));
   if (!seen.object[cell]) return PolarLook::kOutside;
   return codeOfDepth((seen.point(cell) - seen.centroid_mm).dot(forward) / seen.radius_mm);
 }
@@ -71,15 +72,36 @@ Observation asObserved(const SurfacePainter& painter, const PixelGrid& grid) {
   return seen;
 }
 
-/// The look turned by `roll` steps against another, both ways outside the object alike.
-int differenceOf(const PolarLook& a, const std::array<std::array<std::uint8_t, 2 * kRolls>, kRings>& b, int roll) {
-  int sum = 0;
-  for (int ring = 0; ring < kRings; ++ring) {
-    const std::uint8_t* const left = a.value[static_cast<std::size_t>(ring)].data();
-    const std::uint8_t* const right = b[static_cast<std::size_t>(ring)].data() + roll;
-    for (int i = 0; i < kRolls; ++i) sum += std::min(std::abs(left[i] - right[i]), PolarLook::kClip);
+/// Rolls in whole registers; those beyond kRolls are nobody's.
+constexpr std::size_t kRollsPadded = 96;
+static_assert(kRings * kRolls * PolarLook::kClip <= 0xffff, "a difference fits 16 bits");
+using Differences = std::array<std::uint16_t, kRollsPadded>;
+/// A look's rings, each round and round, so that a turn is a place to begin.
+using RoundAndRound = std::array<std::array<std::uint8_t, kRolls + kRollsPadded>, kRings>;
+
+RoundAndRound roundAndRound(const PolarLook& look) {
+  RoundAndRound rings;
+  for (std::size_t ring = 0; ring < kRings; ++ring)
+    for (std::size_t i = 0; i < rings[ring].size(); ++i) rings[ring][i] = look.value[ring][i % kRolls];
+  return rings;
+}
+
+/// By roll: the look turned by so many steps against another, both ways outside the object alike.
+VOXID_VECTORISED void compare(const PolarLook& a, const RoundAndRound& b, Differences& differences) {
+  Differences sums{};
+  for (std::size_t ring = 0; ring < kRings; ++ring) {
+    for (std::size_t i = 0; i < kRolls; ++i) {
+      const std::uint8_t left = a.value[ring][i];
+      const std::uint8_t* const right = b[ring].data() + i;
+      for (std::size_t roll = 0; roll < kRollsPadded; ++roll) {
+        const std::uint8_t more = left > right[roll] ? left : right[roll],
+                           less = left < right[roll] ? left : right[roll];
+        const auto apart = static_cast<std::uint8_t>(more - less);
+        sums[roll] = static_cast<std::uint16_t>(sums[roll] + (apart < PolarLook::kClip ? apart : PolarLook::kClip));
+      }
+    }
   }
-  return sum;
+  differences = sums;
 }
 
 /// A look and a roll, not yet a pose.
@@ -94,7 +116,7 @@ bool apart(int a, int b, int steps) {
 }
 
 /// The best two rolls of one look, at least 20 degrees apart.
-void addRolls(const std::array<int, kRolls>& differences, std::size_t look, std::vector<Rolled>& out) {
+void addRolls(const Differences& differences, std::size_t look, std::vector<Rolled>& out) {
   const auto smaller = [&](int a, int b) {
     return differences[static_cast<std::size_t>(a)] < differences[static_cast<std::size_t>(b)];
   };
@@ -108,18 +130,11 @@ void addRolls(const std::array<int, kRolls>& differences, std::size_t look, std:
 }
 
 std::vector<Rolled> compareLooks(const AlignableModel::Looks& looks, const PolarLook& seen) {
-  std::array<std::array<std::uint8_t, 2 * kRolls>, kRings> twice;
-  for (int ring = 0; ring < kRings; ++ring) {
-    const auto& row = seen.value[static_cast<std::size_t>(ring)];
-    std::copy(row.begin(), row.end(), twice[static_cast<std::size_t>(ring)].begin());
-    std::copy(row.begin(), row.end(), twice[static_cast<std::size_t>(ring)].begin() + kRolls);
-  }
+  const RoundAndRound rings = roundAndRound(seen);
+  Differences differences;
   std::vector<Rolled> rolled;
   for (std::size_t i = 0; i < looks.list.size(); ++i) {
-    std::array<int, kRolls> differences;
-    for (int roll = 0; roll < kRolls; ++roll) {
-      differences[static_cast<std::size_t>(roll)] = differenceOf(looks.list[i].look, twice, roll);
-    }
+    compare(looks.list[i].look, rings, differences);
     addRolls(differences, i, rolled);
   }
   std::stable_sort(rolled.begin(), rolled.end(),
@@ -155,14 +170,26 @@ Matrix3f rollBy(int step) {
   return Eigen::AngleAxisf(angle, Vector3f::UnitZ()).toRotationMatrix();
 }
 
+/// Cosine and sine by step of a roll.
+const std::array<Eigen::Vector2f, kRolls>& rolls() {
+  static const std::array<Eigen::Vector2f, kRolls> all = [] {
+    std::array<Eigen::Vector2f, kRolls> made;
+    for (int step = 0; step < kRolls; ++step) made[static_cast<std::size_t>(step)] = rollBy(step).col(0).head<2>();
+    return made;
+  }();
+  return all;
+}
+
 PolarLook polarLook(const Observation& seen) {
   const Matrix3f sight = rotationFromAxisTo(seen.centroid_mm.normalized());
-  PolarLook look{};
-  for (int ring = 0; ring < kRings; ++ring) {
-    const float radius = kWidest * seen.radius_mm * std::sqrt((static_cast<float>(ring) + 0.5f) / kRings);
-    for (int step = 0; step < kRolls; ++step) {
-      const Vector3f point = seen.centroid_mm + sight * (rollBy(step).col(0) * radius);
-      look.value[static_cast<std::size_t>(ring)][static_cast<std::size_t>(step)] = lookAt(seen, point, sight.col(2));
+  const Vector3f across = sight.col(0), down = sight.col(1), forward = sight.col(2);
+  PolarLook look;
+  for (std::size_t ring = 0; ring < kRings; ++ring) {
+    const float radius_mm = kWidest * seen.radius_mm * std::sqrt((static_cast<float>(ring) + 0.5f) / kRings);
+    for (std::size_t step = 0; step < kRolls; ++step) {
+      const Eigen::Vector2f& roll = rolls()[step];
+      const Vector3f point = seen.centroid_mm + radius_mm * (roll.x() * across + roll.y() * down);
+      look.value[ring][step] = lookAt(seen, point, forward);
     }
   }
   return look;
@@ -188,7 +215,7 @@ AlignableModel::AlignableModel(ModelSurface surface, Span<const format::Directio
   SurfacePainter painter;
   for (const format::Direction& direction : directions) {
     const Placement pose = lookFrom(direction);
-    painter.draw(surface_, pose, grid);
+    painter.draw(sketchSurface(), pose, grid);
     const Observation seen = asObserved(painter, grid);
     if (seen.cells.empty() || seen.radius_mm <= 0) continue;
     const Matrix3f unturn = rotationFromAxisTo(seen.centroid_mm.normalized()).transpose();

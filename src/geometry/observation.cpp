@@ -57,6 +57,36 @@ void markObject(const ObservedObject& object, const Cut& cut, Observation& out) 
   }
 }
 
+/// Whether a cell of the object has a neighbour in its row or column that is none: the nearest to any cell outside is
+/// such a one.
+bool onOutline(const Observation& seen, std::size_t cell) {
+  const PixelGrid& grid = seen.grid;
+  const int u = grid.columnOf(cell), v = grid.rowOf(cell);
+  const auto outside = [&](int x, int y) { return grid.contains(x, y) && !seen.object[grid.at(x, y)]; };
+  return outside(u - 1, v) || outside(u + 1, v) || outside(u, v - 1) || outside(u, v + 1);
+}
+
+/// Every cell of the outline tells those about it how near it is.
+void findNearest(Observation& out) {
+  constexpr int kReach = Observation::kReach;
+  const PixelGrid& grid = out.grid;
+  out.nearest.assign(grid.size(), -1);
+  std::vector<int> nearest_squared(grid.size(), Observation::kFar);
+  for (const std::size_t cell : out.cells) {
+    if (!onOutline(out, cell)) continue;
+    const int u = grid.columnOf(cell), v = grid.rowOf(cell);
+    for (int y = std::max(0, v - kReach); y <= std::min(grid.height - 1, v + kReach); ++y) {
+      for (int x = std::max(0, u - kReach); x <= std::min(grid.width - 1, u + kReach); ++x) {
+        const std::size_t to = grid.at(x, y);
+        const int squared = (x - u) * (x - u) + (y - v) * (y - v);
+        if (squared >= nearest_squared[to] || out.object[to]) continue;
+        nearest_squared[to] = squared;
+        out.nearest[to] = static_cast<int>(cell);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void measure(Observation& out) {
@@ -83,10 +113,7 @@ void observe(const ObservedObject& object, int pixels, Observation& out) {
     if (out.object[cell]) out.cells.push_back(cell);
   }
   measure(out);
-  out.nearest.assign(out.grid.size(), -1);
-  for (std::size_t cell = 0; cell < out.object.size(); ++cell) {
-    if (!out.object[cell]) out.nearest[cell] = nearestSet(out.grid, cell, [&](std::size_t c) { return out.object[c]; });
-  }
+  findNearest(out);
 }
 
 }  // namespace voxid

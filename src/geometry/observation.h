@@ -12,16 +12,17 @@ namespace voxid {
 
 struct Observation {
   PixelGrid grid;
-  std::vector<float> depth_mm;           ///< of whatever is seen there; 0: nothing
-  std::vector<std::uint8_t> object;      ///< 1: a pixel of the object with depth
-  std::vector<std::size_t> cells;        ///< the object's, ascending
-  std::vector<int> nearest;              ///< of a cell outside the object: the nearest inside; -1 if none within kReach
+  std::vector<float> depth_mm;       ///< of whatever is seen there; 0: nothing
+  std::vector<std::uint8_t> object;  ///< 1: a pixel of the object with depth
+  std::vector<std::size_t> cells;    ///< the object's, ascending
+  std::vector<int> nearest;          ///< of a cell outside the object: as nearestSet, the first of equally near ones
   Eigen::Vector3f centroid_mm{0, 0, 0};  ///< of the object's points
   float radius_mm = 0;                   ///< root mean square distance from it
 
   Eigen::Vector3f point(std::size_t cell) const { return grid.ray(cell) * depth_mm[cell]; }
 
-  static constexpr int kReach = 10;  ///< cells
+  static constexpr int kReach = 10;                         ///< cells
+  static constexpr int kFar = (kReach + 1) * (kReach + 1);  ///< squared
 };
 
 /// Takes every n-th row and column, so that about `pixels` of the object's are left, and a margin round it.
@@ -30,11 +31,11 @@ void observe(const ObservedObject& object, int pixels, Observation& out);
 /// Centroid and radius of the object's cells.
 void measure(Observation& observation);
 
-/// The nearest set cell within Observation::kReach, the first in reading order of equally near ones; -1 if none is.
+/// The nearest set cell within Observation::kReach columns and rows, some one of equally near ones; -1 if none is.
 template <typename IsSet>
 int nearestSet(const PixelGrid& grid, std::size_t from, IsSet is_set) {
   const int u = grid.columnOf(from), v = grid.rowOf(from);
-  int best = -1, best_squared = (Observation::kReach + 1) * (Observation::kReach + 1);
+  int best = -1, best_squared = Observation::kFar;
   const auto look = [&](int x, int y) {
     if (!grid.contains(x, y) || !is_set(grid.at(x, y))) return;
     const int squared = (x - u) * (x - u) + (y - v) * (y - v);
