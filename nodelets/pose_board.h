@@ -14,7 +14,7 @@
 
 namespace voxid {
 
-struct ShelvedModel;
+class ShelvedModel;
 
 /// What alignment found out about an object.
 struct AlignedObject {

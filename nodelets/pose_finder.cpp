@@ -35,7 +35,7 @@ AlignedObject posed(const Index& index, std::uint32_t model, const std::shared_p
                     const Alignment& alignment) {
   AlignedObject found;
   found.model = shelved;
-  found.pose = modelPoseOf(alignment, shelved->model.surface(), shelved->symmetry);
+  found.pose = modelPoseOf(alignment, shelved->model.surface(), shelved->symmetry());
   found.pose.label = std::string(index.categoryName(index.models()[model].category));
   found.pose.model = std::string(index.modelName(model));
   found.misfit = alignment.misfit;

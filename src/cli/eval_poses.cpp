@@ -70,7 +70,7 @@ class PoseExaminer {
     const PclPose found = poseByPcl(objectIn(view), surface, view.pose.scale, static_cast<unsigned>(number));
     PoseOutcome outcome;
     outcome.given_ms = 1e-3 * found.us;
-    if (found.pose) outcome.given = errorOf(*found.pose, view.pose, surface, shelved->symmetry);
+    if (found.pose) outcome.given = errorOf(*found.pose, view.pose, surface, shelved->symmetry());
     return outcome;
   }
 
@@ -109,7 +109,7 @@ class PoseExaminer {
 
   static PoseError errorIn(const Alignment& alignment, const PosedView& view, const ShelvedModel& shelved) {
     if (!alignment.found) return {};
-    return errorOf(alignment.pose, view.pose, shelved.model.surface(), shelved.symmetry);
+    return errorOf(alignment.pose, view.pose, shelved.model.surface(), shelved.symmetry());
   }
 
   void align(const PosedView& view, const ShelvedModel& shelved, PoseOutcome& outcome) {
@@ -120,7 +120,7 @@ class PoseExaminer {
                        });
     outcome.given = errorIn(alignment, view, shelved);
     if (outcome.given.strict() && outcome.given.rotation_deg <= kNearDeg)
-      outcome.normalised = normalisedError(alignment, view.pose, shelved.symmetry);
+      outcome.normalised = normalisedError(alignment, view.pose, shelved.symmetry());
   }
 
   /// Reading the models is not counted: a robot has read them before.

@@ -14,12 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::shared_ptr<const ShelvedModel> shelved(ModelSurface surface, const Symmetry& symmetry) {
-  const Directions& directions = viewDirections();
-  return std::shared_ptr<const ShelvedModel>(
-      new ShelvedModel{{std::move(surface), {directions.data(), directions.size()}}, symmetry});
-}
-
 constexpr std::size_t kBytesOfABook = 256;                     // its name, and a refusal's sentence
 constexpr std::size_t kBytesOfLooks = std::size_t{100} << 10;  // see AlignableModel
 
@@ -30,6 +24,16 @@ std::size_t bytesOf(const ShelvedModel& model) {
 }
 
 }  // namespace
+
+ShelvedModel::ShelvedModel(ModelSurface surface, std::optional<Symmetry> kept)
+    : model(std::move(surface), {viewDirections().data(), viewDirections().size()}), symmetry_(kept) {}
+
+const Symmetry& ShelvedModel::symmetry() const {
+  std::call_once(looked_, [this] {
+    if (!symmetry_) symmetry_ = findSymmetry(model.surface());
+  });
+  return *symmetry_;
+}
 
 Result<std::string> meshOf(const std::string& models, const std::string& name) {
   if (models.empty())
@@ -57,7 +61,9 @@ Result<std::shared_ptr<const ShelvedModel>> ModelShelf::read(std::uint32_t model
   const Span<const std::uint8_t> kept = index_->surface(model);
   if (!kept.empty()) {
     const auto surface = KeptSurface::of(kept);
-    if (surface) return shelved(surfaceOf(*surface), symmetryOf(*surface));
+    if (surface)
+      return std::shared_ptr<const ShelvedModel>(
+          std::make_shared<ShelvedModel>(surfaceOf(*surface), symmetryOf(*surface)));
     return Status::damaged("the index " + index_->path() + " is damaged: the surface of " + fullNameOf(*index_, model) +
                            " is not whole; `voxid verify` tells more");
   }
@@ -65,9 +71,7 @@ Result<std::shared_ptr<const ShelvedModel>> ModelShelf::read(std::uint32_t model
   if (!path.ok()) return path.status;
   const Result<Mesh> mesh = readMeshFile(path.value);
   if (!mesh.ok()) return mesh.status;
-  ModelSurface surface = surfaceOf(mesh.value);
-  const Symmetry symmetry = findSymmetry(surface);
-  return shelved(std::move(surface), symmetry);
+  return std::shared_ptr<const ShelvedModel>(std::make_shared<ShelvedModel>(surfaceOf(mesh.value)));
 }
 
 Result<std::shared_ptr<const ShelvedModel>> ModelShelf::find(std::uint32_t number) {

@@ -74,7 +74,7 @@ TEST_F(ModelShelfTest, WhatTheIndexKeepsNeedsNoFolder) {
   ModelShelf shelf(index(surfaceToKeep(test::corner())), "");
   const auto kept = shelf.find(kA), read = ModelShelf(index(), folder_).find(kA);
   ASSERT_TRUE(kept.ok()) << kept.status.sentence;
-  EXPECT_EQ(kept.value->symmetry.folds, read.value->symmetry.folds);
+  EXPECT_EQ(kept.value->symmetry().folds, read.value->symmetry().folds);
   EXPECT_EQ(kept.value->model.surface().triangles.size(), read.value->model.surface().triangles.size());
   EXPECT_NE(shelf.find(kB).status.sentence.find("thing/b: no surface is known"), std::string::npos);
 }

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
 
 #include "voxid/core/index.h"
@@ -19,9 +21,19 @@ Result<std::string> meshOf(const std::string& models, const std::string& name);
 /// <category>/<name> of a model of an index.
 std::string fullNameOf(const Index& index, std::uint32_t model);
 
-struct ShelvedModel {
-  AlignableModel model;
-  Symmetry symmetry;
+/// Threads may share it.
+class ShelvedModel {
+ public:
+  /// `kept`: the surface's symmetry, if it is known.
+  explicit ShelvedModel(ModelSurface surface, std::optional<Symmetry> kept = {});
+
+  const AlignableModel model;
+  /// What was kept; else found when it is first asked for, as names do without it and it takes longer than all else.
+  const Symmetry& symmetry() const;
+
+ private:
+  mutable std::once_flag looked_;
+  mutable std::optional<Symmetry> symmetry_;
 };
 
 /// Reads a model when it is first asked for, and keeps those that were asked for last: its surface from the index where
