@@ -156,6 +156,16 @@ bool nearlyEqual(const Matrix3f& a, const Matrix3f& b) {
   return a.cwiseProduct(b).sum() > 1 + 2 * std::cos(14 * kRadian);
 }
 
+/// Cosine and sine by step of a roll.
+const std::array<Eigen::Vector2f, kRolls>& rolls() {
+  static const std::array<Eigen::Vector2f, kRolls> all = [] {
+    std::array<Eigen::Vector2f, kRolls> made;
+    for (int step = 0; step < kRolls; ++step) made[static_cast<std::size_t>(step)] = rollBy(step).col(0).head<2>();
+    return made;
+  }();
+  return all;
+}
+
 }  // namespace
 
 Matrix3f rotationFromAxisTo(const Vector3f& to) {
@@ -168,16 +178,6 @@ Matrix3f rotationFromAxisTo(const Vector3f& to) {
 Matrix3f rollBy(int step) {
   const float angle = static_cast<float>(step) * 360 / kRolls * kRadian;
   return Eigen::AngleAxisf(angle, Vector3f::UnitZ()).toRotationMatrix();
-}
-
-/// Cosine and sine by step of a roll.
-const std::array<Eigen::Vector2f, kRolls>& rolls() {
-  static const std::array<Eigen::Vector2f, kRolls> all = [] {
-    std::array<Eigen::Vector2f, kRolls> made;
-    for (int step = 0; step < kRolls; ++step) made[static_cast<std::size_t>(step)] = rollBy(step).col(0).head<2>();
-    return made;
-  }();
-  return all;
 }
 
 PolarLook polarLook(const Observation& seen) {
