@@ -149,7 +149,18 @@ void ClassificationNodelet::nameAll(const DepthView& depth, const Segments& segm
   answers_.clear();
   for (const Segment& segment : segments.segments) pixels_.push_back({segment.pixels.data(), segment.pixels.size()});
   spares_.resize(pixels_.size(), &objects->objects);
-  const auto fill = [&](std::size_t i) { fillObject(depth, segments.segments[i], &objects->objects[i]); };
+  // Poses that did not come into the target frame cannot be compared with those before.
+  const bool remembered = memory_ && move.trouble.empty() && segments.status != kBadInput;
+  if (remembered) follow(segments, move);
+  const auto fill = [&](std::size_t i) {
+    const Segment& segment = segments.segments[i];
+    const Span<const std::uint32_t> pixels{segment.pixels.data(), segment.pixels.size()};
+    const OrientedBox box = boxOf(segment);
+    fillObject(
+        segment,
+        remembered ? memory_->solidOf(i, depth, pixels, box, move.target_from_camera) : primitiveOf(depth, pixels, box),
+        &objects->objects[i]);
+  };
   if (!recognisers) {
     for (std::size_t i = 0; i < pixels_.size(); ++i) {
       fill(i);
@@ -158,9 +169,6 @@ void ClassificationNodelet::nameAll(const DepthView& depth, const Segments& segm
     if (objects->status == kOk) setStatus(kNoIndex, watch_.trouble(), objects);
     return;
   }
-  // Poses that did not come into the target frame cannot be compared with those before.
-  const bool remembered = memory_ && move.trouble.empty() && segments.status != kBadInput;
-  if (remembered) follow(segments, move);
   due_.assign(pixels_.size(), true);
   if (remembered) leaveOutWhatIsKnown();
   const std::vector<Answer>& answers =

@@ -225,7 +225,7 @@ bool fit(const Segments& segments, const DepthView& depth) {
   return true;
 }
 
-void fillObject(const DepthView& depth, const Segment& segment, Object* object) {
+void fillObject(const Segment& segment, const Primitive& solid, Object* object) {
   clearAnswer(object);
   object->id = segment.id;
   object->pose.pose = segment.pose;
@@ -236,8 +236,7 @@ void fillObject(const DepthView& depth, const Segment& segment, Object* object) 
   object->box = segment.box;
   object->points = static_cast<std::uint32_t>(segment.pixels.size());
   object->truncated = segment.truncated;
-  const Span<const std::uint32_t> pixels{segment.pixels.data(), segment.pixels.size()};
-  fillShape(primitiveOf(depth, pixels, boxOf(segment)), &object->shape, &object->shape_pose);
+  fillShape(solid, &object->shape, &object->shape_pose);
 }
 
 OrientedBox boxOf(const Segment& segment) {

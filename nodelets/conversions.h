@@ -44,9 +44,9 @@ void fillSegments(const Scene& scene, int width_px, int height_px, Segments* mes
 /// Whether every pixel that the segments name lies in the image.
 bool fit(const Segments& segments, const DepthView& depth);
 
-/// What is known about an object before it is named: id, box, pose with covariance, sizes, shape. Replaces everything
-/// but the alternatives, which wait for fillAnswer; memory that the message has is used again.
-void fillObject(const DepthView& depth, const Segment& segment, Object* object);
+/// What is known about an object before it is named: id, box, pose with covariance, sizes, its solid as shape. Replaces
+/// everything but the alternatives, which wait for fillAnswer; memory that the message has is used again.
+void fillObject(const Segment& segment, const Primitive& solid, Object* object);
 
 OrientedBox boxOf(const Segment& segment);
 /// Dimensions in the message's order: a box x, y, z; a cylinder height, radius.

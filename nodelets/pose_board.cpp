@@ -9,34 +9,32 @@
 
 namespace voxid {
 
-PoseBoard::Place PoseBoard::Place::of(const Object& object) {
+namespace {
+
+VisibleBox visibleBoxOf(const Object& object) {
   return {eigenOf(object.pose.pose.position), eigenOf(object.extents_m)};
 }
 
-// A part that goes from one end of the box moves its centre by half of what the box loses.
-bool PoseBoard::Place::holds(const Place& other) const {
-  const double explained_m = (other.extents_m - extents_m).norm() / 2;
-  return (other.centre_m - centre_m).norm() <= kRest_m + explained_m;
-}
-
-// What changes slowly, as when the camera moves, is followed.
-void PoseBoard::Place::follow(const Place& seen) {
+// What changes slowly, as when the camera moves.
+void follow(const VisibleBox& seen, VisibleBox& usual) {
   constexpr double kFollow = 0.25;
-  centre_m += kFollow * (seen.centre_m - centre_m);
-  extents_m += kFollow * (seen.extents_m - extents_m);
+  usual.centre_m += kFollow * (seen.centre_m - usual.centre_m);
+  usual.extents_m += kFollow * (seen.extents_m - usual.extents_m);
 }
 
-PoseBoard::Entry PoseBoard::Entry::begin(const Place& place, const ros::Time& now) {
+}  // namespace
+
+PoseBoard::Entry PoseBoard::Entry::begin(const VisibleBox& box, const ros::Time& now) {
   Entry entry;
-  entry.usual = place;
+  entry.usual = box;
   entry.first_seen = entry.last_seen = now;
   return entry;
 }
 
-bool PoseBoard::Entry::moved(const Place& seen, const ros::Time& now) {
+bool PoseBoard::Entry::moved(const VisibleBox& seen, const ros::Time& now) {
   constexpr double kMovedAfter_s = ObjectMemory::kExchangedAfter_ms / 1e3;
   if (usual.holds(seen)) {
-    usual.follow(seen);
+    voxid::follow(seen, usual);
     away_since = {};
   } else if (away_since.isZero()) {
     away_since = now;
@@ -52,10 +50,10 @@ const Answer& PoseBoard::Entry::answer(const Answer& by_codes, const ros::Time& 
 }
 
 PoseBoard::Entry& PoseBoard::follow(const Object& object, const ros::Time& now) {
-  const Place place = Place::of(object);
+  const VisibleBox box = visibleBoxOf(object);
   const auto known = entries_.find(object.number);
-  const bool anew = known == entries_.end() || known->second.moved(place, now);
-  Entry& entry = anew ? entries_[object.number] = Entry::begin(place, now) : known->second;
+  const bool anew = known == entries_.end() || known->second.moved(box, now);
+  Entry& entry = anew ? entries_[object.number] = Entry::begin(box, now) : known->second;
   if (!entry.aligned.holds(entry.usual)) entry.tries = 0;
   entry.last_seen = now;
   return entry;
@@ -96,7 +94,7 @@ std::optional<std::size_t> PoseBoard::next(const Objects& objects) const {
     const auto found = entries_.find(object.number);
     if (found == entries_.end()) return i;
     const Entry& entry = found->second;
-    if (!entry.usual.holds(Place::of(object))) continue;
+    if (!entry.usual.holds(visibleBoxOf(object))) continue;
     if (entry.tries == 0) return i;
     const bool due = secondsBetween(entry.last_try, objects.header.stamp) >= kApart_s;
     if (!again && due && entry.tries < kMostTries) again = i;
@@ -108,18 +106,18 @@ std::optional<std::uint32_t> PoseBoard::categoryOf(const Object& object) const {
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto entry = entries_.find(object.number);
   if (entry == entries_.end() || entry->second.found.name.count == 0) return {};
-  if (!entry->second.usual.holds(Place::of(object))) return {};
+  if (!entry->second.usual.holds(visibleBoxOf(object))) return {};
   return entry->second.found.name.alternatives[0].category;
 }
 
 void PoseBoard::put(const Object& object, const ros::Time& stamp, const AlignedObject& found) {
   if (object.number == 0) return;
   const std::lock_guard<std::mutex> lock(mutex_);
-  const Place place = Place::of(object);
-  Entry& entry = entries_.try_emplace(object.number, Entry::begin(place, stamp)).first->second;
-  if (!entry.usual.holds(place)) return;
+  const VisibleBox box = visibleBoxOf(object);
+  Entry& entry = entries_.try_emplace(object.number, Entry::begin(box, stamp)).first->second;
+  if (!entry.usual.holds(box)) return;
   if (entry.tries == 0 || found.misfit < entry.found.misfit) {
-    entry.aligned = place;
+    entry.aligned = box;
     entry.found.pose = found.pose;
     entry.found.misfit = found.misfit;
   }
@@ -131,7 +129,7 @@ void PoseBoard::put(const Object& object, const ros::Time& stamp, const AlignedO
 void PoseBoard::confirm(const Object& object, const ros::Time& stamp, const Answer& name) {
   if (object.number == 0) return;
   const std::lock_guard<std::mutex> lock(mutex_);
-  const Entry anew = Entry::begin(Place::of(object), stamp);
+  const Entry anew = Entry::begin(visibleBoxOf(object), stamp);
   Entry& entry = entries_.try_emplace(object.number, anew).first->second;
   const Answer& before = entry.found.name;
   const bool the_same = before.count > 0 && before.alternatives[0].category == name.alternatives[0].category;

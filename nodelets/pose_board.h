@@ -3,7 +3,6 @@
 
 #include <voxid/Objects.h>
 
-#include <Eigen/Core>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "voxid/core/classifier.h"
+#include "voxid/geometry/steady_solid.h"
 
 namespace voxid {
 
@@ -39,9 +39,8 @@ struct Unaligned {
 /// frames. Thread-safe; no call waits for an alignment.
 class PoseBoard {
  public:
-  static constexpr double kRest_m = 0.015;  ///< the centre of a resting thing's box wanders by less with equal extents
-  static constexpr double kKeep_s = 10;     ///< after its last sight
-  static constexpr int kMostTries = 3;      ///< an object is aligned in so many frames, kApart_s apart: the best counts
+  static constexpr double kKeep_s = 10;  ///< after its last sight
+  static constexpr int kMostTries = 3;   ///< an object is aligned in so many frames, kApart_s apart: the best counts
   static constexpr double kApart_s = 1;
   static constexpr double kSettledAfter_s = 1;  ///< since its first sight, or since it was moved
 
@@ -69,23 +68,15 @@ class PoseBoard {
   void clear();
 
  private:
-  /// Of the visible box.
-  struct Place {
-    Eigen::Vector3d centre_m{0, 0, 0}, extents_m{0, 0, 0};
-
-    static Place of(const Object& object);
-    bool holds(const Place& other) const;
-    void follow(const Place& seen);
-  };
   struct Entry {
-    Place usual, aligned;
+    VisibleBox usual, aligned;
     ros::Time first_seen, last_seen, away_since, last_try;  // away_since zero: it is where it used to be
     int tries = 0;                                          // where it was aligned
     AlignedObject found;
     Answer settled;  // the label that waits for a name
 
-    static Entry begin(const Place& place, const ros::Time& now);
-    bool moved(const Place& seen, const ros::Time& now);
+    static Entry begin(const VisibleBox& box, const ros::Time& now);
+    bool moved(const VisibleBox& seen, const ros::Time& now);
     bool waits() const { return found.name.count == 0 && tries < kMostTries; }
     const Answer& answer(const Answer& by_codes, const ros::Time& now, bool holds_label);
   };

@@ -102,6 +102,7 @@ void ObjectMemory::startAnew(Track& track) {
   track.number = ++last_number_;
   track.first_us = now_us_;
   track.size_changed_us = track.look_changed_us = 0;
+  track.solid.clear();
   evidence_[static_cast<std::size_t>(&track - tracks_.data())].clear();
 }
 
@@ -139,6 +140,12 @@ bool ObjectMemory::isTurn(std::uint32_t track) const {
 
 bool ObjectMemory::isDue(std::size_t sighting) const {
   return !isTracked(sighting) || tracks_[track_of_[sighting]].hasChanged() || isTurn(track_of_[sighting]);
+}
+
+Primitive ObjectMemory::solidOf(std::size_t sighting, const DepthView& depth, Span<const std::uint32_t> pixels,
+                                const OrientedBox& box, const Eigen::Isometry3d& rest_from_camera) {
+  if (!isTracked(sighting)) return primitiveOf(depth, pixels, box);
+  return tracks_[track_of_[sighting]].solid.see(depth, pixels, box, rest_from_camera, isDue(sighting));
 }
 
 Answer ObjectMemory::answerOf(std::uint32_t track, const Index& index, int min_score_permille) {

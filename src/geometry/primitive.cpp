@@ -24,13 +24,14 @@ constexpr float kLeastOfWidth = 0.85f, kMostOfWidth = 1.2f;
 constexpr std::int64_t kClearlyNearerPercent = 80;
 constexpr std::int64_t kNoLimit = std::numeric_limits<std::int64_t>::max();
 
-/// Visible points in the axes of a box, from its centre, metres.
+/// Visible points in the axes of a solid, from its centre, metres.
 struct Samples {
   std::array<Vector3f, kMostSamples> points;
   std::size_t size = 0;
 };
 
-Samples samplesOf(const DepthView& depth, Span<const std::uint32_t> pixels, const OrientedBox& box) {
+Samples samplesOf(const DepthView& depth, Span<const std::uint32_t> pixels, const Vector3f& centre_m,
+                  const Matrix3f& axes) {
   Samples samples;
   const std::size_t count = std::min(pixels.size, kMostSamples);
   const auto width = static_cast<std::uint32_t>(depth.width_px);
@@ -42,7 +43,7 @@ Samples samplesOf(const DepthView& depth, Span<const std::uint32_t> pixels, cons
     const PointUm p = backProject(depth.camera, u, v, depth_um);
     const Vector3f point_m =
         Vector3f(static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)) * 1e-6f;
-    samples.points[samples.size++] = box.axes.transpose() * (point_m - box.centre_m);
+    samples.points[samples.size++] = axes.transpose() * (point_m - centre_m);
   }
   return samples;
 }
@@ -57,6 +58,10 @@ std::int64_t misfitUm(const Samples& samples, std::int64_t limit_um, Distance di
     sum_um += std::lround(static_cast<double>(distance_m) * 1e6);
   }
   return sum_um;
+}
+
+float meanMm(std::int64_t sum_um, const Samples& samples) {
+  return samples.size == 0 ? 0 : static_cast<float>(sum_um) * 1e-3f / static_cast<float>(samples.size);
 }
 
 /// Distance from a box of any dimension with sides of 2 `half` round the origin; negative inside.
@@ -140,7 +145,7 @@ Primitive asPrimitive(const OrientedBox& box, const Cylinder& cylinder) {
 const char* nameOf(PrimitiveKind kind) { return kind == PrimitiveKind::Box ? "box" : "cylinder"; }
 
 Primitive primitiveOf(const DepthView& depth, Span<const std::uint32_t> pixels, const OrientedBox& box) {
-  const Samples samples = samplesOf(depth, pixels, box);
+  const Samples samples = samplesOf(depth, pixels, box.centre_m, box.axes);
   const Vector3f half = box.size_m / 2;
   const std::int64_t box_um = misfitUm(samples, kNoLimit, [&](const Vector3f& p) { return distanceToBox(p, half); });
   Primitive best{PrimitiveKind::Box, box.centre_m, box.axes, box.size_m, 0};
@@ -157,8 +162,17 @@ Primitive primitiveOf(const DepthView& depth, Span<const std::uint32_t> pixels, 
       best_um = limit_um = um;
     });
   }
-  if (samples.size > 0) best.misfit_mm = static_cast<float>(best_um) * 1e-3f / static_cast<float>(samples.size);
+  best.misfit_mm = meanMm(best_um, samples);
   return best;
+}
+
+float misfitOf(const DepthView& depth, Span<const std::uint32_t> pixels, const Primitive& solid) {
+  const Samples samples = samplesOf(depth, pixels, solid.centre_m, solid.axes);
+  const Vector3f half = solid.size_m / 2;
+  if (solid.kind == PrimitiveKind::Box)
+    return meanMm(misfitUm(samples, kNoLimit, [&](const Vector3f& p) { return distanceToBox(p, half); }), samples);
+  const Cylinder cylinder{2, {{0, 0}, half.x()}, half.z()};
+  return meanMm(misfitUm(samples, kNoLimit, [&](const Vector3f& p) { return cylinder.distanceTo(p); }), samples);
 }
 
 namespace {

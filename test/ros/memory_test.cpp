@@ -7,6 +7,7 @@
 
 #include <map>
 #include <set>
+#include <utility>
 
 #include "chain_fixture.h"
 #include "core/random.h"
@@ -188,6 +189,33 @@ TEST_F(Memory, TheLabelOfARestingThingChangesAtMostOnceAfterItsFirstSecond) {
   EXPECT_GE(alone.most(), 5) << "frame by frame the labels flicker: the test would see it";
 }
 
+TEST_F(Memory, TheSolidOfARestingThingStaysWhatItIsAndGoesWithItWhenItIsMoved) {
+  startChain();
+  TableScene scene = oneThing({0.102, 0.08, 0.122});
+  const auto thing = [&] {
+    const ObjectsConstPtr objects = next(scene);
+    EXPECT_TRUE(objects && objects->objects.size() == 1);
+    return objects && !objects->objects.empty() ? objects->objects[0] : Object();
+  };
+  const auto centreOf = [](const Object& object) { return eigenOf(object.shape_pose.position); };
+  std::set<std::vector<double>> sizes, sizes_of_box;
+  Object last;
+  for (int frame = 0; frame < 60; ++frame) {
+    last = thing();
+    if (frame < 30) continue;
+    sizes.insert(last.shape.dimensions);
+    sizes_of_box.insert({last.extents_m.x, last.extents_m.y, last.extents_m.z});
+  }
+  EXPECT_LE(sizes.size(), 2u);
+  EXPECT_GE(sizes_of_box.size(), 10u) << "the visible box is measured in every frame";
+  for (const double moved_m : {0.03, 0.12}) {  // within the gate, and beyond
+    scene.boxes[0].centre_m.x() -= moved_m;
+    const Object moved = thing();
+    EXPECT_NEAR((centreOf(moved) - centreOf(last)).norm(), moved_m, 0.006);
+    last = moved;
+  }
+}
+
 TEST_F(Memory, WhatIsMovedTakenAwayOrExchangedIsNoticedWithinHalfASecond) {
   startChain();
   TableScene scene;
@@ -295,7 +323,8 @@ TEST_F(Memory, ACameraThatCirclesTheTableLeavesNumbersAndLabels) {
   MovingCamera camera;
   TableScene scene;
   Changes remembered;
-  std::map<std::uint32_t, int> frames_of;
+  std::map<std::uint32_t, int> frames_of, solids_of;
+  std::map<std::uint32_t, Eigen::Vector3d> solid_at;
   constexpr int kFrames = 120;
   for (int frame = 0; frame < kFrames; ++frame) {
     scene.turn_deg = 360.0 * frame / kFrames;  // once round in four seconds
@@ -305,11 +334,14 @@ TEST_F(Memory, ACameraThatCirclesTheTableLeavesNumbersAndLabels) {
     ASSERT_EQ(objects->header.frame_id, "table") << objects->status_text;
     for (const Object& object : objects->objects) {
       ++frames_of[object.number];
+      const Eigen::Vector3d solid = eigenOf(object.shape_pose.position);
+      solids_of[object.number] += (solid - std::exchange(solid_at[object.number], solid)).norm() > 1e-4;
       remembered.see(std::to_string(object.number), object.label);
     }
   }
   EXPECT_EQ(frames_of, (std::map<std::uint32_t, int>{{1, kFrames}, {2, kFrames}}));
   EXPECT_LE(remembered.most(), 1);
+  for (const auto& [number, solids] : solids_of) EXPECT_LE(solids, kFrames / 4) << number;
 }
 
 }  // namespace

@@ -53,7 +53,10 @@ struct Messages {
     spare_objects.resize(segments.segments.size(), &objects.objects);
     answers = frame.answers;
     for (std::size_t i = 0; i < answers.size(); ++i) {
-      fillObject(frame.depth, segments.segments[i], &objects.objects[i]);
+      const Segment& segment = segments.segments[i];
+      const Primitive solid =
+          primitiveOf(frame.depth, {segment.pixels.data(), segment.pixels.size()}, boxOf(segment));
+      fillObject(segment, solid, &objects.objects[i]);
       objects.objects[i].number = numberOf(objects.objects[i]);
     }
     poses.show({}, 0, &objects, &answers);

@@ -9,6 +9,7 @@
 #include "voxid/core/evidence.h"
 #include "voxid/core/span.h"
 #include "voxid/geometry/memory_params.h"
+#include "voxid/geometry/steady_solid.h"
 
 namespace voxid {
 
@@ -44,6 +45,11 @@ class ObjectMemory {
   /// turns are spread over that time, so that each frame has its share of them.
   bool isDue(std::size_t sighting) const;
 
+  /// The solid of the i-th sighting of the last update, in the camera's frame: that of the frames before as long as it
+  /// fits (SteadySolid). Another is looked for where the sighting is due. Threads may ask for different sightings.
+  Primitive solidOf(std::size_t sighting, const DepthView& depth, Span<const std::uint32_t> pixels,
+                    const OrientedBox& box, const Eigen::Isometry3d& rest_from_camera);
+
   /// What the frames before said about the i-th sighting of the last update: the answer for one that is not due.
   Answer recall(std::size_t sighting, const Index& index, int min_score_permille);
 
@@ -67,6 +73,7 @@ class ObjectMemory {
     std::int64_t first_us = 0, last_us = 0, remembered_us = 0;
     std::int64_t size_changed_us = 0, look_changed_us = 0;  // since when it looks otherwise; 0: it does not
     Eigen::Vector3f position_m, extents_m;
+    SteadySolid solid;
 
     bool hasChanged() const { return size_changed_us != 0 || look_changed_us != 0; }
   };

@@ -37,6 +37,10 @@ struct Primitive {
 /// box.
 Primitive primitiveOf(const DepthView& depth, Span<const std::uint32_t> pixels, const OrientedBox& box);
 
+/// How far the visible points lie from a solid: as Primitive::misfit_mm, of the same pixels as primitiveOf's. 0 without
+/// pixels with depth.
+float misfitOf(const DepthView& depth, Span<const std::uint32_t> pixels, const Primitive& solid);
+
 /// A slab under the table's visible part, kTableThickness_m thick with its top on the plane: the smallest box round the
 /// outline, or a round one (cylinder) if that has less area. Size zero if there is no table.
 Primitive primitiveOf(const Table& table);
