@@ -10,6 +10,7 @@
 
 #include "../core/vectorised.h"
 #include "box.h"
+#include "enclosure.h"
 
 namespace voxid {
 namespace {
@@ -28,6 +29,9 @@ constexpr std::size_t kTouchGap_px = 4;
 constexpr int kRimsWithin_mm = 8;
 constexpr std::int64_t kWidestVessel_um = 400000;
 constexpr std::int64_t kFewestSagitta_um = 8000;
+constexpr int kLeastEnclosed_percent = 75;
+constexpr int kRimAbove_mm = 8;  // a floor's top
+constexpr std::int64_t kMostBulge_um = 2000;
 
 constexpr int kRowStep = 4;  // of a part's rows every fourth shows its top and its shape as well
 
@@ -90,6 +94,8 @@ std::int64_t overlapOf(const Extent& a, const Extent& b) { return std::min(a.hig
 struct PlanShape {
   Extent across, away;
   std::int64_t sagitta_um = 0;
+
+  bool isWiderThan(std::int64_t most_um) const { return across.size() > most_um || away.size() > most_um; }
 };
 
 ViewerAxes axesTowards(const PlacedPoints& points) {
@@ -142,6 +148,31 @@ PlanShape shapeOf(const ViewerAxes& axes, PlacedPoints& points) {
   }
   if (ends.count > 0 && middle.count > 0) shape.sagitta_um = middle.value() - ends.value();
   return shape;
+}
+
+bool isWithin(const Extent& inner, const Extent& outer) { return inner.low > outer.low && inner.high < outer.high; }
+
+/// Of their places; not of what their ends tell.
+PlanShape united(const PlanShape& a, const PlanShape& b) {
+  return {united(a.across, b.across), united(a.away, b.away)};
+}
+
+bool isWithin(const PlanShape& inner, const PlanShape& outer) {
+  return isWithin(inner.across, outer.across) && isWithin(inner.away, outer.away);
+}
+
+/// How much higher the middle of turned points lies than what is around it.
+std::int64_t bulgeOf(const PlanShape& shape, const PlacedPoints& points) {
+  Mean middle, around;
+  const auto isMiddle = [](const Extent& extent, std::int64_t x) {
+    const std::int64_t from_middle = 2 * x - extent.low - extent.high;
+    return std::abs(from_middle) * 2 < extent.size();  // the inner half
+  };
+  for (std::size_t i = 0; i < points.count; ++i) {
+    const bool inside = isMiddle(shape.across, points.x_um[i]) && isMiddle(shape.away, points.y_um[i]);
+    (inside ? middle : around).add(points.height_um[i]);
+  }
+  return middle.value() - around.value();
 }
 
 }  // namespace
@@ -283,6 +314,7 @@ void Joiner::join(const Surface& surface, const Camera& camera, std::size_t fewe
       if (cutByNearer(a, b, surface, camera, components) || wallsOfVessel(a, b, surface, components))
         components.join(piece(a).part, piece(b).part);
     }
+    joinToWalls(a, surface, components);
   }
 }
 
@@ -310,22 +342,51 @@ bool Joiner::wallsOfVessel(int a, int b, const Surface& surface, const Component
 
 /// A vessel's far wall, seen from inside, is hollow towards the viewer, its near wall bulges.
 bool Joiner::farAndNearWall(const Piece& far, const Piece& near, const Surface& surface, const Components& components) {
-  const auto place = [&](const Piece& piece) {
-    placed_.clear(components.pixelsIn(piece.part));
-    visitRows(surface, components.runsOf(piece.part), [&](const Run& run) { surface.place(run, placed_); });
-  };
-  place(far);
+  place(far, surface, components);
   const ViewerAxes axes = axesTowards(placed_);
   const PlanShape far_shape = shapeOf(axes, placed_);
-  place(near);
+  place(near, surface, components);
   const PlanShape near_shape = shapeOf(axes, placed_);
-  const Extent across = united(far_shape.across, near_shape.across), away = united(far_shape.away, near_shape.away);
-  if (across.size() > kWidestVessel_um || away.size() > kWidestVessel_um) return false;
+  if (united(far_shape, near_shape).isWiderThan(kWidestVessel_um)) return false;
   if (2 * overlapOf(far_shape.across, near_shape.across) <
       std::min(far_shape.across.size(), near_shape.across.size())) {
     return false;
   }
   return far_shape.sagitta_um > kFewestSagitta_um && near_shape.sagitta_um < 0;
+}
+
+/// The points in every kRowStep-th of its rows.
+void Joiner::place(const Piece& piece, const Surface& surface, const Components& components) {
+  placed_.clear(components.pixelsIn(piece.part));
+  visitRows(surface, components.runsOf(piece.part), [&](const Run& run) { surface.place(run, placed_); });
+}
+
+/// Where a vessel's floor meets its walls is a crease, too, and the split makes two of it.
+void Joiner::joinToWalls(int floor, const Surface& surface, Components& components) {
+  const Enclosure enclosure(surface.inverse, piece_.data(), components.runsOf(piece(floor).part),
+                            static_cast<std::uint8_t>(floor));
+  if (enclosure.percent() < kLeastEnclosed_percent) return;
+  place(piece(floor), surface, components);
+  const ViewerAxes axes = axesTowards(placed_);
+  const PlanShape inner = shapeOf(axes, placed_);
+  if (bulgeOf(inner, placed_) > kMostBulge_um) return;  // as what lies in a vessel does
+  std::array<int, 2> walls{enclosure.walls()[0], enclosure.walls()[1]};
+  PlanShape outer;
+  for (int& wall : walls) {
+    if (wall == 0) continue;
+    place(piece(wall), surface, components);
+    const PlanShape shape = shapeOf(axes, placed_);
+    if (shape.across.size() < inner.across.size()) wall = 0;  // it stands in the vessel
+    if (wall != 0) outer = united(outer, shape);
+  }
+  const auto risesAbove = [&](int wall) {
+    return wall == 0 ||
+           topOf(piece(wall), surface, components) >= topOf(piece(floor), surface, components) + kRimAbove_mm;
+  };
+  const bool fits = isWithin(inner, outer) && !outer.isWiderThan(kWidestVessel_um);
+  if (!fits || !risesAbove(walls[0]) || !risesAbove(walls[1])) return;
+  for (const int wall : walls)
+    if (wall != 0) components.join(piece(floor).part, piece(wall).part);
 }
 
 /// In whole millimetres, rounded down, at most kHighest_mm.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Parts that are one object: cut in two by a nearer object, or near and far wall of a vessel.
+// Parts that are one object: cut in two by a nearer object, near and far wall of a vessel, or its wall and floor.
 #pragma once
 
 #include <cstdint>
@@ -67,6 +67,8 @@ class Joiner {
   int linesFacing(int from, int to, const Surface& surface, const Camera& camera, const Components& components);
   bool wallsOfVessel(int a, int b, const Surface& surface, const Components& components);
   bool farAndNearWall(const Piece& far, const Piece& near, const Surface& surface, const Components& components);
+  void joinToWalls(int floor, const Surface& surface, Components& components);
+  void place(const Piece& piece, const Surface& surface, const Components& components);
 
   std::vector<Piece> pieces_;        // the first is no piece
   std::vector<std::uint8_t> piece_;  // by pixel

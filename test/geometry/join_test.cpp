@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "geometry/rendered.h"
@@ -60,6 +61,73 @@ TEST(Join, WallsOfWhatIsWiderThanAnyVesselStayTwo) {
 
 TEST(Join, ABoxBehindABoxOfItsHeightStaysItself) {
   EXPECT_EQ(lengths(render(View{}, {{0, 0.6, 0.15, 0.04, 0.12}, {0, 0.72, 0.15, 0.04, 0.12}})).size(), 2u);
+}
+
+/// A tray of 24 by 18 cm with a floor of 12 mm and walls of 4 cm.
+std::vector<test::Box> tray() {
+  constexpr double x = 0, y = 0.7, length = 0.24, width = 0.18, wall = 0.012, height = 0.04;
+  return {{x, y, length, width, 0.012},
+          {x, y - width / 2, length + wall, wall, height},
+          {x, y + width / 2, length + wall, wall, height},
+          {x - length / 2, y, wall, width, height},
+          {x + length / 2, y, wall, width, height}};
+}
+
+std::vector<test::Box> trayWith(const test::Box& thing) {
+  std::vector<test::Box> boxes = tray();
+  boxes.push_back(thing);
+  return boxes;
+}
+
+TEST(Join, WallAndFloorOfAVesselAreOne) {
+  const auto found = lengths(render(View{}, tray()));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0], 0.252f, 0.01f);
+}
+
+TEST(Join, WhatStandsInAVesselStaysItself) {
+  for (const double height : {0.032, 0.12}) {  // below the rim and above
+    const auto found = lengths(render(View{}, trayWith({0, 0.71, 0.09, 0.06, height})));
+    ASSERT_EQ(found.size(), 2u) << height;
+    EXPECT_LT(found[0], 0.13f) << "a border cell more to either side";
+  }
+}
+
+/// Draws a ball into an image; the table hides what lies below it.
+void addBall(const View& view, const Eigen::Vector3d& centre, double radius, test::Image& image) {
+  const Eigen::Vector3d in_camera = test::inCamera(view, centre.x(), centre.y(), centre.z());
+  for (int v = 0; v < image.height_px; ++v) {
+    for (int u = 0; u < image.width_px; ++u) {
+      const Eigen::Vector3d ray((u - 319.5) / 525, (v - 239.5) / 525, 1);
+      const double along = ray.dot(in_camera) / ray.squaredNorm();
+      const double root = radius * radius - (in_camera - along * ray).squaredNorm();
+      if (root < 0) continue;
+      std::uint16_t& depth_mm = image.at(u, v);
+      const auto ball_mm =
+          static_cast<std::uint16_t>(std::lround(1000 * (along - std::sqrt(root / ray.squaredNorm()))));
+      if (depth_mm == 0 || ball_mm < depth_mm) depth_mm = ball_mm;
+    }
+  }
+}
+
+TEST(Join, WhatBulgesInAVesselStaysItself) {
+  const View from_above{0.7, 60};
+  constexpr double y = 0.42, side = 0.17, wall = 0.012, height = 0.065;
+  const std::vector<test::Box> frame{{0, y - side / 2, side + wall, wall, height},
+                                     {0, y + side / 2, side + wall, wall, height},
+                                     {-side / 2, y, wall, side, height},
+                                     {side / 2, y, wall, side, height}};
+  std::vector<test::Box> filled = frame;
+  filled.push_back({0, y, side, side, 0.035});
+  EXPECT_EQ(lengths(render(from_above, filled)).size(), 1u);
+  test::Image image = render(from_above, frame);
+  addBall(from_above, {0, y, -0.09}, 0.13, image);
+  EXPECT_EQ(lengths(image).size(), 2u) << "as high in its middle";
+}
+
+TEST(Join, ALowBoxOnAHighOneOrBeforeItStaysItself) {
+  EXPECT_EQ(lengths(render(View{}, {{0, 0.7, 0.25, 0.2, 0.08}, {0, 0.7, 0.12, 0.1, 0.1}})).size(), 2u);
+  EXPECT_EQ(lengths(render(View{}, {{0, 0.75, 0.25, 0.1, 0.12}, {0, 0.67, 0.12, 0.06, 0.04}})).size(), 2u);
 }
 
 }  // namespace
