@@ -42,7 +42,7 @@ struct SegmentParams {
   int split_share_percent = 35;
   /// Pieces with fewer pixels (at 640 x 480; scaled for other sizes) go to their neighbours. [50 to 100000]
   int split_min_pixels = 800;
-  /// Join what a nearer object cuts in two, and the near and far wall of a vessel.
+  /// Join what a nearer object cuts in two, the near and far wall of a vessel, and its floor.
   bool join = true;
   /// How far outside the table's outline an object may still stand. [0 to 500]
   int outline_margin_mm = 50;
