@@ -8,7 +8,6 @@
 #include "voxid/geometry/object_memory.h"
 
 namespace voxid {
-
 namespace {
 
 VisibleBox visibleBoxOf(const Object& object) {
