@@ -115,6 +115,13 @@ class Memory : public test::Chain {
     return objects;
   }
 
+  /// The only object of the next frame.
+  Object onlyThing(const TableScene& scene) {
+    const ObjectsConstPtr objects = next(scene);
+    EXPECT_TRUE(objects && objects->objects.size() == 1);
+    return objects && !objects->objects.empty() ? objects->objects[0] : Object();
+  }
+
   /// What each object of the last frame is by that frame alone.
   std::vector<Answer> answersOfTheFrameAlone() {
     const DepthView depth = viewOf(*sent_, *test::infoOf(now_)).value;
@@ -192,11 +199,7 @@ TEST_F(Memory, TheLabelOfARestingThingChangesAtMostOnceAfterItsFirstSecond) {
 TEST_F(Memory, TheSolidOfARestingThingStaysWhatItIsAndGoesWithItWhenItIsMoved) {
   startChain();
   TableScene scene = oneThing({0.102, 0.08, 0.122});
-  const auto thing = [&] {
-    const ObjectsConstPtr objects = next(scene);
-    EXPECT_TRUE(objects && objects->objects.size() == 1);
-    return objects && !objects->objects.empty() ? objects->objects[0] : Object();
-  };
+  const auto thing = [&] { return onlyThing(scene); };
   const auto centreOf = [](const Object& object) { return eigenOf(object.shape_pose.position); };
   std::set<std::vector<double>> sizes, sizes_of_box;
   Object last;
@@ -253,11 +256,7 @@ TEST_F(Memory, WhatIsMovedTakenAwayOrExchangedIsNoticedWithinHalfASecond) {
 TEST_F(Memory, ItsParametersWorkInTheNextFrame) {
   startChain();
   TableScene scene = oneThing({0.102, 0.08, 0.122});
-  const auto thing = [&] {
-    const ObjectsConstPtr objects = next(scene);
-    EXPECT_TRUE(objects && objects->objects.size() == 1);
-    return objects && !objects->objects.empty() ? objects->objects[0] : Object();
-  };
+  const auto thing = [&] { return onlyThing(scene); };
   const auto set = [&](const std::string& name, int value) {
     test::reconfigure(name_ + "/classification", name, false, value);
   };
