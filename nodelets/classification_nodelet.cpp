@@ -155,11 +155,9 @@ void ClassificationNodelet::nameAll(const DepthView& depth, const Segments& segm
   const auto fill = [&](std::size_t i) {
     const Segment& segment = segments.segments[i];
     const Span<const std::uint32_t> pixels{segment.pixels.data(), segment.pixels.size()};
-    const OrientedBox box = boxOf(segment);
-    fillObject(
-        segment,
-        remembered ? memory_->solidOf(i, depth, pixels, box, move.target_from_camera) : primitiveOf(depth, pixels, box),
-        &objects->objects[i]);
+    const Primitive solid = remembered ? memory_->solidOf(i, depth, pixels, boxOf(segment), move.target_from_camera)
+                                       : primitiveOf(depth, pixels, boxOf(segment));
+    fillObject(segment, solid, &objects->objects[i]);
   };
   if (!recognisers) {
     for (std::size_t i = 0; i < pixels_.size(); ++i) {
