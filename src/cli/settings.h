@@ -4,11 +4,23 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "voxid/core/status.h"
 
 namespace voxid::cli {
+
+/// Of a switch true, false, 1 and 0 are values; CLI11 would take any number for one.
+template <typename T>
+bool readSetting(const std::string& text, T& value) {
+  if constexpr (std::is_same_v<T, bool>) {
+    value = text == "true" || text == "1";
+    return value || text == "false" || text == "0";
+  } else {
+    return CLI::detail::lexical_cast(text, value);
+  }
+}
 
 /// Sets a parameter by "name=value". BadUse, with what is possible, for an unknown name or a value out of range.
 template <typename Params>
@@ -23,8 +35,8 @@ Status applySetting(const std::string& setting, Params& params) {
     known = true;
     range = std::to_string(least) + " to " + std::to_string(most);
     auto number = value;
-    good = equals != std::string::npos && CLI::detail::lexical_cast(setting.substr(equals + 1), number) &&
-           number >= least && number <= most;
+    good = equals != std::string::npos && readSetting(setting.substr(equals + 1), number) && number >= least &&
+           number <= most;
     if (good) value = number;
   });
   if (!known) return Status::badUse("--set " + setting + ": no such parameter; there are " + names);

@@ -104,6 +104,7 @@ def test_settings(voxid, block):
     voxid("segment", block, "--set", "min_height_mm=100").refuses(3, "EMPTY_TABLE")
     voxid("segment", block, "--set", "min_height_mm=1").refuses(2, "min_height_mm", "2 to 100")
     voxid("segment", block, "--set", "min_height_mm=x").refuses(2, "min_height_mm")
+    voxid("segment", block, "--set", "join=2").refuses(2, "join", "0 to 1")
     voxid("segment", block, "--set", "height=8").refuses(2, "height", "min_height_mm")
 
 
