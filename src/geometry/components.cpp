@@ -24,7 +24,7 @@ void Components::reserve(std::size_t pixels, int width_px) {
   parents_.reserve(pixels);
   part_of_run_.reserve(pixels);
   parts_.reserve(pixels);
-  sorted_.reserve(2 * pixels);  // what is cut is written a second time
+  sorted_.reserve(3 * pixels);  // what is added to is written a second time, and what is cut once more
 }
 
 std::uint32_t Components::rootOf(std::uint32_t run) {
@@ -177,6 +177,27 @@ void Components::sortRuns() {
     Part& part = parts_[part_of_run_[i]];
     sorted_[part.first + part.runs++] = runs_[i];
   }
+}
+
+/// Writes the part's runs once more, those that meet as one.
+void Components::add(std::size_t part, Span<const Run> runs) {
+  const Span<const Run> own = runsOf(part);
+  const auto first = static_cast<std::uint32_t>(sorted_.size());
+  const Run *mine = own.begin(), *more = runs.begin();
+  bool last_is_mine = false;
+  while (mine != own.end() || more != runs.end()) {
+    const bool is_mine = more == runs.end() || (mine != own.end() && mine->begin < more->begin);
+    const Run run = is_mine ? *mine++ : *more++;
+    if (is_mine != last_is_mine && sorted_.size() > first && sorted_.back().end == run.begin)
+      sorted_.back().end = run.end;
+    else
+      sorted_.push_back(run);
+    if (!is_mine) parts_[part].pixels += run.size();
+    last_is_mine = is_mine;
+  }
+  parts_[part].first = first;
+  parts_[part].runs = static_cast<std::uint32_t>(sorted_.size()) - first;
+  parts_[part].group_pixels = parts_[part].pixels;
 }
 
 void Components::cut(std::size_t part, Span<const Cut> cuts, std::size_t pieces) {

@@ -24,6 +24,9 @@ class Components {
   Span<const Run> runsOf(std::size_t part) const { return {sorted_.data() + parts_[part].first, parts_[part].runs}; }
   std::size_t pixelsIn(std::size_t part) const { return parts_[part].pixels; }
 
+  /// Before any cut. Gives a part more runs, ascending, which no part has.
+  void add(std::size_t part, Span<const Run> runs);
+
   /// A piece of a part: its number, from 0 on, and one of its runs.
   struct Cut {
     Run run;

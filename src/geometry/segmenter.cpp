@@ -8,6 +8,7 @@
 
 #include "box.h"
 #include "components.h"
+#include "floors.h"
 #include "inverse_depth.h"
 #include "join.h"
 #include "plan.h"
@@ -66,6 +67,7 @@ struct Segmenter::Workspace {
   PlanRays plan_rays;
   Outline outline;
   Components components;
+  FloorFinder floors;
   Splitter splitter;
   Joiner joiner;
   RimGrower rim;
@@ -102,6 +104,7 @@ void Segmenter::Workspace::reserve(int width_px, int height_px) {
   plan_rays.reserve(width_px, height_px);
   outline.reserve(height_px);
   components.reserve(count, width_px);
+  floors.reserve(count, width_px, height_px);
   splitter.reserve(width_px, height_px);
   joiner.reserve(count);
   rim.reserve(count, width_px, height_px);
@@ -208,6 +211,7 @@ void Segmenter::Workspace::keep(const Region& region, std::size_t most) {
 
 void Segmenter::Workspace::findParts(const Surface& surface, const Camera& camera, const SegmentParams& params) {
   components.find(surface, params);
+  floors.addFloors(surface, params, components);
   const auto atLeastOne = [](std::size_t fewest) { return std::max<std::size_t>(fewest, 1); };
   if (params.split) {
     splitter.split(surface, camera, atLeastOne(scaled(params.split_min_pixels, inverse)), params, components);
