@@ -2,15 +2,15 @@
 #include "join.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <limits>
-#include <numeric>
 
 #include "../core/vectorised.h"
 #include "box.h"
 #include "enclosure.h"
+#include "plan_shape.h"
 
 namespace voxid {
 namespace {
@@ -30,8 +30,14 @@ constexpr int kRimsWithin_mm = 8;
 constexpr std::int64_t kWidestVessel_um = 400000;
 constexpr std::int64_t kFewestSagitta_um = 8000;
 constexpr int kLeastEnclosed_percent = 75;
-constexpr int kRimAbove_mm = 8;  // a floor's top
+constexpr int kRimAbove_mm = 8;      // a floor's top
+constexpr int kDepth_percent = 110;  // of its width; the back of a jar's belly is seen through its mouth only
 constexpr std::int64_t kMostBulge_um = 2000;
+// Pieces of what was turned.
+constexpr int kArcPoints = 1024;  // of a piece, at least, where it has as many
+constexpr int kNear_px = 8;       // at 640 columns
+constexpr double kOffSight_mm = 30;
+constexpr std::size_t kMiddles = 16;
 
 constexpr int kRowStep = 4;  // of a part's rows every fourth shows its top and its shape as well
 
@@ -57,12 +63,12 @@ SearchEnd endOfSearch(int own, std::int32_t own_um, std::int32_t least) {
   return {own, inverseOf(own_um + kDepthsWithin_um), inverseOf(own_um - kDepthsWithin_um), least};
 }
 
-/// visit(run) for the runs in every kRowStep-th of a part's rows.
+/// visit(run) for the runs in every step-th of a part's rows.
 template <typename Visit>
-void visitRows(const Surface& surface, Span<const Run> runs, Visit visit) {
+void visitRows(const Surface& surface, Span<const Run> runs, int step, Visit visit) {
   const int first_row = surface.row(runs[0].begin);
   for (const Run& run : runs) {
-    if ((surface.row(run.begin) - first_row) % kRowStep == 0) visit(run);
+    if ((surface.row(run.begin) - first_row) % step == 0) visit(run);
   }
 }
 
@@ -72,107 +78,16 @@ VOXID_VECTORISED std::uint32_t countBelow(std::int32_t limit, const std::int32_t
   return below;
 }
 
-/// Directions in the plan: away from the camera's foot through a piece, and to the right of that.
-struct ViewerAxes {
-  std::int64_t away_x_q15, away_y_q15;
-};
-
-struct Extent {
-  std::int64_t low = std::numeric_limits<std::int32_t>::max(), high = std::numeric_limits<std::int32_t>::min();
-  void add(std::int64_t x) {
-    low = std::min(low, x);
-    high = std::max(high, x);
-  }
-  std::int64_t size() const { return high - low; }
-};
-
-Extent united(const Extent& a, const Extent& b) { return {std::min(a.low, b.low), std::max(a.high, b.high)}; }
-std::int64_t overlapOf(const Extent& a, const Extent& b) { return std::min(a.high, b.high) - std::max(a.low, b.low); }
-
-/// A piece from above: its extents, and how much farther its middle lies than its ends (positive: hollow to the
-/// viewer).
-struct PlanShape {
-  Extent across, away;
-  std::int64_t sagitta_um = 0;
-
-  bool isWiderThan(std::int64_t most_um) const { return across.size() > most_um || away.size() > most_um; }
-};
-
-ViewerAxes axesTowards(const PlacedPoints& points) {
-  const auto sumOf = [&](const std::vector<std::int32_t>& coordinates) {
-    return std::accumulate(coordinates.begin(), coordinates.begin() + static_cast<std::ptrdiff_t>(points.count),
-                           std::int64_t{0});
+bool areNear(const PixelBox& a, const PixelBox& b, int most_px) {
+  const auto apart = [](int begin_a, int size_a, int begin_b, int size_b) {
+    return std::max(begin_a, begin_b) - std::min(begin_a + size_a, begin_b + size_b);
   };
-  const std::int64_t x = sumOf(points.x_um), y = sumOf(points.y_um);
-  const double dx = static_cast<double>(x), dy = static_cast<double>(y);
-  const double length = std::max(1.0, std::sqrt(dx * dx + dy * dy));
-  return {std::llround(dx / length * 32768), std::llround(dy / length * 32768)};
+  return apart(a.x, a.width, b.x, b.width) <= most_px && apart(a.y, a.height, b.y, b.height) <= most_px;
 }
 
-struct Mean {
-  std::int64_t sum = 0, count = 0;
-  void add(std::int64_t x) {
-    sum += x;
-    ++count;
-  }
-  std::int64_t value() const { return count > 0 ? sum / count : 0; }
-};
-
-/// Makes x and y of points across and away.
-VOXID_VECTORISED void turn(const ViewerAxes& axes, std::int32_t* x, std::int32_t* y, std::size_t count) {
-  const auto away_x = static_cast<std::int32_t>(axes.away_x_q15), away_y = static_cast<std::int32_t>(axes.away_y_q15);
-#pragma GCC ivdep
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::int64_t across = static_cast<std::int64_t>(away_y) * x[i] - static_cast<std::int64_t>(away_x) * y[i];
-    const std::int64_t away = static_cast<std::int64_t>(away_x) * x[i] + static_cast<std::int64_t>(away_y) * y[i];
-    x[i] = static_cast<std::int32_t>(across >> 15);
-    y[i] = static_cast<std::int32_t>(away >> 15);
-  }
-}
-
-/// Turns the points.
-PlanShape shapeOf(const ViewerAxes& axes, PlacedPoints& points) {
-  std::int32_t *const across = points.x_um.data(), *const away = points.y_um.data();
-  turn(axes, across, away, points.count);
-  PlanShape shape;
-  for (std::size_t i = 0; i < points.count; ++i) {
-    shape.across.add(across[i]);
-    shape.away.add(away[i]);
-  }
-  Mean ends, middle;  // the outer and the inner fifths
-  const std::int64_t tenth = shape.across.size() / 10 + 1;
-  for (std::size_t i = 0; i < points.count; ++i) {
-    const std::int64_t from_left = across[i] - shape.across.low, from_right = shape.across.high - across[i];
-    if (from_left < tenth || from_right < tenth) ends.add(away[i]);
-    if (from_left >= 4 * tenth && from_right >= 4 * tenth) middle.add(away[i]);
-  }
-  if (ends.count > 0 && middle.count > 0) shape.sagitta_um = middle.value() - ends.value();
-  return shape;
-}
-
-bool isWithin(const Extent& inner, const Extent& outer) { return inner.low > outer.low && inner.high < outer.high; }
-
-/// Of their places; not of what their ends tell.
-PlanShape united(const PlanShape& a, const PlanShape& b) {
-  return {united(a.across, b.across), united(a.away, b.away)};
-}
-
-bool isWithin(const PlanShape& inner, const PlanShape& outer) {
-  return isWithin(inner.across, outer.across) && isWithin(inner.away, outer.away);
-}
-
-/// How much higher the middle of turned points lies than what is around it.
-std::int64_t bulgeOf(const PlanShape& shape, const PlacedPoints& points) {
-  Mean middle, around;
-  const auto isMiddle = [](const Extent& extent, std::int64_t x) {
-    const std::int64_t from_middle = 2 * x - extent.low - extent.high;
-    return std::abs(from_middle) * 2 < extent.size();  // the inner half
-  };
-  for (std::size_t i = 0; i < points.count; ++i) {
-    const bool inside = isMiddle(shape.across, points.x_um[i]) && isMiddle(shape.away, points.y_um[i]);
-    (inside ? middle : around).add(points.height_um[i]);
-  }
-  return middle.value() - around.value();
+/// How far b lies beside the line from the camera's foot through a.
+double offSight_mm(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return std::abs(a.x() * b.y() - a.y() * b.x()) / a.norm();
 }
 
 }  // namespace
@@ -196,10 +111,14 @@ void Joiner::takePieces(const Surface& surface, std::size_t fewest, const Compon
     for (std::size_t part = 0; part < components.parts() && all; ++part) {
       if (components.pixelsIn(part) < fewest) continue;
       all = pieces_.size() <= kMostPieces;
-      if (all) pieces_.push_back({part, -1});
+      if (all) {
+        pieces_.emplace_back();
+        pieces_.back().part = part;
+      }
     }
   }
   for (std::size_t i = 1; i < pieces_.size(); ++i) {
+    pieces_[i].box = pixelBoxOf(components.runsOf(pieces_[i].part), surface.inverse.width_px);
     for (const Run& run : components.runsOf(pieces_[i].part)) {
       std::memset(piece_.data() + run.begin, static_cast<int>(i), run.end - run.begin);
     }
@@ -289,7 +208,7 @@ int Joiner::lengthInto(const PixelBox& box, const Line& line, int width_px) {
 /// How many lines of one piece face the other, whatever lies in between. They are long: not to be counted for all
 /// pairs.
 int Joiner::linesFacing(int from, int to, const Surface& surface, const Camera& camera, const Components& components) {
-  const PixelBox box = pixelBoxOf(components.runsOf(piece(to).part), surface.inverse.width_px);
+  const PixelBox box = piece(to).box;
   int facing = 0;
   visitLines(surface, camera, components.runsOf(piece(from).part), [&](Line line) {
     line.farthest_px = lengthInto(box, line, surface.inverse.width_px);
@@ -311,7 +230,8 @@ void Joiner::join(const Surface& surface, const Camera& camera, std::size_t fewe
   }
   for (int a = 1; a < count; ++a) {
     for (int b = a + 1; b < count; ++b) {
-      if (cutByNearer(a, b, surface, camera, components) || wallsOfVessel(a, b, surface, components))
+      if (cutByNearer(a, b, surface, camera, components) || wallsOfVessel(a, b, surface, components) ||
+          turnedAsOne(a, b, surface, components))
         components.join(piece(a).part, piece(b).part);
     }
     joinToWalls(a, surface, components);
@@ -342,10 +262,10 @@ bool Joiner::wallsOfVessel(int a, int b, const Surface& surface, const Component
 
 /// A vessel's far wall, seen from inside, is hollow towards the viewer, its near wall bulges.
 bool Joiner::farAndNearWall(const Piece& far, const Piece& near, const Surface& surface, const Components& components) {
-  place(far, surface, components);
+  place(far, surface, components, kRowStep);
   const ViewerAxes axes = axesTowards(placed_);
   const PlanShape far_shape = shapeOf(axes, placed_);
-  place(near, surface, components);
+  place(near, surface, components, kRowStep);
   const PlanShape near_shape = shapeOf(axes, placed_);
   if (united(far_shape, near_shape).isWiderThan(kWidestVessel_um)) return false;
   if (2 * overlapOf(far_shape.across, near_shape.across) <
@@ -355,10 +275,40 @@ bool Joiner::farAndNearWall(const Piece& far, const Piece& near, const Surface& 
   return far_shape.sagitta_um > kFewestSagitta_um && near_shape.sagitta_um < 0;
 }
 
-/// The points in every kRowStep-th of its rows.
-void Joiner::place(const Piece& piece, const Surface& surface, const Components& components) {
+/// Whether both are of one thing that was turned on a lathe or a wheel, whose waist or foot the split took for a
+/// meeting.
+bool Joiner::turnedAsOne(int a, int b, const Surface& surface, const Components& components) {
+  if (!areNear(piece(a).box, piece(b).box, kNear_px * surface.inverse.width_px / 640)) return false;
+  if (offSight_mm(middleOf(piece(a), surface, components), middleOf(piece(b), surface, components)) > kOffSight_mm)
+    return false;  // which is seen at once
+  const Arcs& arcs_a = arcsOf(piece(a), surface, components);
+  return (arcs_a.front || arcs_a.back) && areCoaxial(arcs_a, arcsOf(piece(b), surface, components));
+}
+
+/// In the plan, millimetres, roughly: the mean of the middles of some of its runs.
+const Eigen::Vector2d& Joiner::middleOf(Piece& piece, const Surface& surface, const Components& components) {
+  if (!piece.middle.isZero()) return piece.middle;
+  const Span<const Run> runs = components.runsOf(piece.part);
+  const std::size_t step = (runs.size / kMiddles) | 1;  // odd, as a crescent has its runs in pairs
+  int count = 0;
+  for (std::size_t i = step / 2; i < runs.size; i += step, ++count) {
+    const Point2 foot = surface.plan.project(surface.point((runs[i].begin + runs[i].end) / 2));
+    piece.middle += Eigen::Vector2d(foot.x, foot.y);
+  }
+  return piece.middle /= 1000 * count;
+}
+
+const Arcs& Joiner::arcsOf(Piece& piece, const Surface& surface, const Components& components) {
+  if (piece.arcs) return *piece.arcs;
+  const auto pixels = static_cast<int>(components.pixelsIn(piece.part));
+  place(piece, surface, components, std::clamp(pixels / kArcPoints, 1, kRowStep));
+  return piece.arcs.emplace(voxid::arcsOf(surface.distance_m, placed_));
+}
+
+/// The points in every row_step-th of its rows.
+void Joiner::place(const Piece& piece, const Surface& surface, const Components& components, int row_step) {
   placed_.clear(components.pixelsIn(piece.part));
-  visitRows(surface, components.runsOf(piece.part), [&](const Run& run) { surface.place(run, placed_); });
+  visitRows(surface, components.runsOf(piece.part), row_step, [&](const Run& run) { surface.place(run, placed_); });
 }
 
 /// Where a vessel's floor meets its walls is a crease, too, and the split makes two of it.
@@ -366,25 +316,26 @@ void Joiner::joinToWalls(int floor, const Surface& surface, Components& componen
   const Enclosure enclosure(surface.inverse, piece_.data(), components.runsOf(piece(floor).part),
                             static_cast<std::uint8_t>(floor));
   if (enclosure.percent() < kLeastEnclosed_percent) return;
-  place(piece(floor), surface, components);
+  place(piece(floor), surface, components, kRowStep);
   const ViewerAxes axes = axesTowards(placed_);
   const PlanShape inner = shapeOf(axes, placed_);
   if (bulgeOf(inner, placed_) > kMostBulge_um) return;  // as what lies in a vessel does
-  std::array<int, 2> walls{enclosure.walls()[0], enclosure.walls()[1]};
+  const int floor_top_mm = topOf(piece(floor), surface, components);
   PlanShape outer;
+  std::array<int, 2> walls{enclosure.walls()[0], enclosure.walls()[1]};
   for (int& wall : walls) {
     if (wall == 0) continue;
-    place(piece(wall), surface, components);
+    place(piece(wall), surface, components, kRowStep);
     const PlanShape shape = shapeOf(axes, placed_);
-    if (shape.across.size() < inner.across.size()) wall = 0;  // it stands in the vessel
-    if (wall != 0) outer = united(outer, shape);
+    const bool stands_within = shape.across.size() < inner.across.size();
+    if (stands_within || topOf(piece(wall), surface, components) < floor_top_mm + kRimAbove_mm) {
+      wall = 0;
+      continue;
+    }
+    outer = united(outer, shape);
   }
-  const auto risesAbove = [&](int wall) {
-    return wall == 0 ||
-           topOf(piece(wall), surface, components) >= topOf(piece(floor), surface, components) + kRimAbove_mm;
-  };
-  const bool fits = isWithin(inner, outer) && !outer.isWiderThan(kWidestVessel_um);
-  if (!fits || !risesAbove(walls[0]) || !risesAbove(walls[1])) return;
+  outer.away.high = std::max(outer.away.high, outer.away.low + outer.across.size() * kDepth_percent / 100);
+  if (!isWithin(inner, outer) || outer.isWiderThan(kWidestVessel_um)) return;
   for (const int wall : walls)
     if (wall != 0) components.join(piece(floor).part, piece(wall).part);
 }
@@ -394,7 +345,7 @@ int Joiner::topOf(Piece& piece, const Surface& surface, const Components& compon
   if (piece.top_mm >= 0) return piece.top_mm;
   heights_um_.resize(std::max(heights_um_.size(), components.pixelsIn(piece.part)));
   std::int32_t* end = heights_um_.data();
-  visitRows(surface, components.runsOf(piece.part), [&](const Run& run) {
+  visitRows(surface, components.runsOf(piece.part), kRowStep, [&](const Run& run) {
     surface.heights(run, end);
     end += run.size();
   });

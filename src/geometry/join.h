@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Parts that are one object: cut in two by a nearer object, near and far wall of a vessel, or its wall and floor.
+// Parts that are one object: cut in two by a nearer object, near and far wall of a vessel, its wall and floor, or what
+// was turned on one axis.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "components.h"
+#include "plan_shape.h"
 #include "surface.h"
 #include "voxid/geometry/scene.h"
 
@@ -31,7 +34,10 @@ class Joiner {
 
   struct Piece {
     std::size_t part = 0;
-    int top_mm = -1;  ///< -1 = not yet measured
+    PixelBox box{};
+    int top_mm = -1;               ///< -1 = not yet measured
+    Eigen::Vector2d middle{0, 0};  ///< 0 = not yet measured
+    std::optional<Arcs> arcs;      ///< nothing = not yet looked for
   };
   /// Image lines along which two pieces face each other.
   struct Lines {
@@ -67,8 +73,11 @@ class Joiner {
   int linesFacing(int from, int to, const Surface& surface, const Camera& camera, const Components& components);
   bool wallsOfVessel(int a, int b, const Surface& surface, const Components& components);
   bool farAndNearWall(const Piece& far, const Piece& near, const Surface& surface, const Components& components);
+  bool turnedAsOne(int a, int b, const Surface& surface, const Components& components);
+  static const Eigen::Vector2d& middleOf(Piece& piece, const Surface& surface, const Components& components);
+  const Arcs& arcsOf(Piece& piece, const Surface& surface, const Components& components);
   void joinToWalls(int floor, const Surface& surface, Components& components);
-  void place(const Piece& piece, const Surface& surface, const Components& components);
+  void place(const Piece& piece, const Surface& surface, const Components& components, int row_step);
 
   std::vector<Piece> pieces_;        // the first is no piece
   std::vector<std::uint8_t> piece_;  // by pixel

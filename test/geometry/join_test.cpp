@@ -93,8 +93,15 @@ TEST(Join, WhatStandsInAVesselStaysItself) {
   }
 }
 
-/// Draws a ball into an image; the table hides what lies below it.
-void addBall(const View& view, const Eigen::Vector3d& centre, double radius, test::Image& image) {
+/// Above the table.
+/// Of a point above the table.
+double heightOf(const View& view, const Eigen::Vector3d& in_camera) {
+  return view.camera_height_m - in_camera.y() * std::cos(view.pitch_deg * test::kRadian) -
+         in_camera.z() * std::sin(view.pitch_deg * test::kRadian);
+}
+
+/// Draws a hollow ball into an image, open above `top`; the table hides what lies below it.
+void addBall(const View& view, const Eigen::Vector3d& centre, double radius, test::Image& image, double top = 1) {
   const Eigen::Vector3d in_camera = test::inCamera(view, centre.x(), centre.y(), centre.z());
   for (int v = 0; v < image.height_px; ++v) {
     for (int u = 0; u < image.width_px; ++u) {
@@ -102,9 +109,11 @@ void addBall(const View& view, const Eigen::Vector3d& centre, double radius, tes
       const double along = ray.dot(in_camera) / ray.squaredNorm();
       const double root = radius * radius - (in_camera - along * ray).squaredNorm();
       if (root < 0) continue;
+      const double half = std::sqrt(root / ray.squaredNorm());
+      const bool is_outside = heightOf(view, (along - half) * ray) <= top;
+      if (!is_outside && heightOf(view, (along + half) * ray) > top) continue;
       std::uint16_t& depth_mm = image.at(u, v);
-      const auto ball_mm =
-          static_cast<std::uint16_t>(std::lround(1000 * (along - std::sqrt(root / ray.squaredNorm()))));
+      const auto ball_mm = static_cast<std::uint16_t>(std::lround(1000 * (is_outside ? along - half : along + half)));
       if (depth_mm == 0 || ball_mm < depth_mm) depth_mm = ball_mm;
     }
   }
@@ -125,8 +134,46 @@ TEST(Join, WhatBulgesInAVesselStaysItself) {
   EXPECT_EQ(lengths(image).size(), 2u) << "as high in its middle";
 }
 
+TEST(Join, WhatIsSeenThroughTheMouthOfAJarIsTheJar) {
+  for (const View& view : {View{0.6, 40}, View{0.8, 40}, View{0.6, 60}, View{0.8, 60}}) {
+    for (const double top : {0.12, 0.13, 0.14}) {
+      test::Image image = render(view, {});
+      addBall(view, {0, 0.55, 0.08}, 0.08, image, top);
+      const auto found = lengths(image);
+      ASSERT_EQ(found.size(), 1u) << view.pitch_deg << " " << view.camera_height_m << " " << top;
+      EXPECT_NEAR(found[0], 0.16f, 0.02f);
+    }
+  }
+}
+
+/// A ball on a larger one, whose centre lies so far to the side of its axis, and farther away.
+std::size_t snowmen(double aside_m, double away_m) {
+  const View view;
+  test::Image image = render(view, {});
+  addBall(view, {0.1, 0.7, 0.05}, 0.05, image);
+  addBall(view, {0.1 + aside_m, 0.7 + away_m, 0.13}, 0.035, image);
+  return lengths(image).size();
+}
+
+TEST(Join, WhatWasTurnedOnOneAxisIsOne) { EXPECT_EQ(snowmen(0, 0), 1u); }
+
+TEST(Join, WhatWasPutBesideTheAxisStaysItself) {
+  EXPECT_EQ(snowmen(-0.015, 0), 2u);
+  EXPECT_EQ(snowmen(0.015, 0), 2u);
+  EXPECT_EQ(snowmen(0, -0.015), 2u);
+}
+
+TEST(Join, BoxesOnOneAxisAreNotTurned) {
+  for (const double turn_deg : {0.0, 20.0, 45.0}) {
+    const auto found =
+        lengths(render(View{}, {{0, 0.7, 0.16, 0.16, 0.08, turn_deg}, {0, 0.7, 0.08, 0.08, 0.16, turn_deg}}));
+    EXPECT_EQ(found.size(), 2u) << turn_deg;
+  }
+}
+
 TEST(Join, ALowBoxOnAHighOneOrBeforeItStaysItself) {
-  EXPECT_EQ(lengths(render(View{}, {{0, 0.7, 0.25, 0.2, 0.08}, {0, 0.7, 0.12, 0.1, 0.1}})).size(), 2u);
+  for (const double height : {0.094, 0.1})
+    EXPECT_EQ(lengths(render(View{}, {{0, 0.7, 0.25, 0.2, 0.08}, {0, 0.7, 0.12, 0.1, height}})).size(), 2u) << height;
   EXPECT_EQ(lengths(render(View{}, {{0, 0.75, 0.25, 0.1, 0.12}, {0, 0.67, 0.12, 0.06, 0.04}})).size(), 2u);
 }
 
