@@ -205,3 +205,21 @@ def test_slabs_floor_and_wall_added_to_real_scenes():
     assert "found 1.00, right 1.00" in lines["slab of  8 mm at 0.9 m"]
     assert "found 1.00" in lines["slab of 10 mm at 1.3 m"]
     assert "table found in 2 of 2" in answer.stdout
+
+
+def test_things_on_rendered_tables(tmp_path):
+    corners = [f"{x} {y} {z}" for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+    sides = ["0 1 3 2", "4 5 7 6", "0 1 5 4", "2 3 7 6", "0 2 6 4", "1 3 7 5"]
+    (tmp_path / "cube").mkdir()
+    (tmp_path / "cube" / "one.ply").write_text("\n".join(
+        ["ply", "format ascii 1.0", "element vertex 8", "property float x", "property float y", "property float z",
+         "element face 6", "property list uchar int vertex_indices", "end_header", *corners,
+         *(f"4 {side}" for side in sides), ""]))
+    program = os.environ.get("VOXID", os.environ.get("VOXID_BUILD", "build") + "/bin/voxid")
+    evaluate = ["scripts/evaluate_tables", tmp_path, "--tables", "3", "--voxid", program]
+    answer = subprocess.run(evaluate, stdout=subprocess.PIPE, text=True, check=True).stdout
+    assert answer == "3 things on 3 tables: 3 right, 0 in parts, 0 partly found, 0 with others, 0 missed\n"
+    blind = subprocess.run([*evaluate, "--list", "--set", "min_table_pixels=200000"], stdout=subprocess.PIPE, text=True,
+                           check=True).stdout.splitlines()
+    assert blind[0] == "table 1: cube/one missed"
+    assert blind[-1].endswith("3 missed")
