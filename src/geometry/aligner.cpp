@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "drawn_object.h"
 #include "looks.h"
 #include "pose_refiner.h"
 #include "voxid/geometry/alignment.h"
@@ -47,9 +48,10 @@ void setFree(const Vector3f& axis, float arm_mm, Alignment& found) {
 struct Aligner::Workspace {
   AlignParams params;
   SupportPlane support;
-  Observation coarse, fine;
+  Observation coarse, fine, whole;
   bool usable = false;
   PoseRefiner refiner;
+  DrawnObject drawn;
 
   Alignment refined(const AlignableModel& model, const Sketch& sketch);
   void findFreeAxis(const AlignableModel& model, Alignment& found);
@@ -118,12 +120,18 @@ void Aligner::observe(const ObservedObject& object) {
   if (!w.usable) return;
   voxid::observe(object, w.params.coarse_pixels, w.coarse);
   voxid::observe(object, w.params.fine_pixels, w.fine);
+  voxid::observe(object, static_cast<int>(object.pixels.size), w.whole);
   w.usable = w.coarse.cells.size() >= kLeastPixels / 2 && w.coarse.radius_mm > 0;
 }
 
 float Aligner::misfitAt(const AlignableModel& model, const Placement& pose) {
   Workspace& w = *workspace_;
   return w.usable ? w.refiner.judge(model.surface(), w.fine, w.support, pose).misfit : 1;
+}
+
+ObservedObject Aligner::drawn(const AlignableModel& model, const Placement& pose) {
+  Workspace& w = *workspace_;
+  return w.usable ? w.drawn.draw(model.surface(), pose, w.whole) : ObservedObject{};
 }
 
 std::vector<Sketch> Aligner::sketch(const AlignableModel& model, int starts) {

@@ -28,6 +28,10 @@ struct Observation {
 /// Takes every n-th row and column, so that about `pixels` of the object's are left, and a margin round it.
 void observe(const ObservedObject& object, int pixels, Observation& out);
 
+/// Whether what is seen there hides what is drawn: it is nearer by so much, and does not deny it. 0: nothing is seen.
+constexpr float kHidingMm = 12;
+constexpr bool hides(float seen_mm, float drawn_mm) { return seen_mm > 0 && seen_mm < drawn_mm - kHidingMm; }
+
 /// Centroid and radius of the object's cells.
 void measure(Observation& observation);
 

@@ -95,11 +95,6 @@ float distanceFrom(const SupportPlane& plane, const Vector3f& point) {
   return plane.normal.dot(point) + plane.distance_mm;
 }
 
-/// Nearer than what was drawn by so much, a pixel hides the model and does not deny it.
-constexpr float kHidingMm = 12;
-
-bool hidden(float seen_mm, float drawn_mm) { return seen_mm > 0 && seen_mm < drawn_mm - kHidingMm; }
-
 /// What a pixel of the model costs where the sensor saw nothing: it may have failed there.
 constexpr float kNothingSeen = 0.7f;
 /// A depth that differs by this much is as wrong as a pixel that is not covered.
@@ -158,7 +153,7 @@ void PoseRefiner::addUncovered(const Observation& seen, std::size_t cell, float 
 /// The model shows where the object is not: it goes to the object's nearest pixel. Half as strong, since sensors lose
 /// pixels at outlines and where the surface is seen at a grazing angle.
 void PoseRefiner::addBare(const Observation& seen, std::size_t cell, float reach_mm, const Placement& pose) {
-  if (seen.nearest[cell] < 0 || hidden(seen.depth_mm[cell], painter_.depth()[cell])) return;
+  if (seen.nearest[cell] < 0 || hides(seen.depth_mm[cell], painter_.depth()[cell])) return;
   const auto towards = static_cast<std::size_t>(seen.nearest[cell]);
   const int du = seen.grid.columnOf(cell) - seen.grid.columnOf(towards),
             dv = seen.grid.rowOf(cell) - seen.grid.rowOf(towards);
@@ -205,7 +200,7 @@ PoseRefiner::Cost PoseRefiner::costOf(const Observation& seen, std::size_t cell)
   if (!covered) return {};
   const float drawn_mm = painter_.depth()[cell];
   if (!seen.object[cell]) {
-    if (hidden(seen.depth_mm[cell], drawn_mm)) return {};
+    if (hides(seen.depth_mm[cell], drawn_mm)) return {};
     return {seen.depth_mm[cell] > 0 ? 1 : kNothingSeen, 1};
   }
   const float off_mm = std::abs(seen.depth_mm[cell] - drawn_mm);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "voxid/core/refine.h"
 
@@ -19,17 +20,18 @@ std::uint32_t categoryOfModel(const Index& index, std::uint32_t model) {
   return model < index.models().size ? index.models()[model].category : Search::kNone;
 }
 
-std::uint32_t distanceTo(const Index& index, const std::uint8_t* code, std::uint32_t view, std::uint32_t category) {
-  const Profile profile = index.profile();
-  if (!index.projection()) return codeDistance(profile, code, index.code(view));
-  return movedDistance(code, index.code(view), index.mean(category), index.parameters().code_bytes);
+/// From a query's code to that of a view of a model of the category.
+std::uint32_t distanceTo(const Index& index, const std::uint8_t* query, const std::uint8_t* code,
+                         std::uint32_t category) {
+  if (!index.projection()) return codeDistance(index.profile(), query, code);
+  return movedDistance(query, code, index.mean(category), index.parameters().code_bytes);
 }
 
 Neighbour nearestViewOf(const Index& index, const std::uint8_t* code, const format::Model& model) {
   Neighbour nearest{Search::kNone, Search::kNone};
   const std::uint64_t end = std::min(std::uint64_t{model.first_view} + model.views, std::uint64_t{index.viewCount()});
   for (std::uint32_t view = model.first_view; view < end; ++view)
-    nearest = std::min(nearest, Neighbour{view, distanceTo(index, code, view, model.category)});
+    nearest = std::min(nearest, Neighbour{view, distanceTo(index, code, index.code(view), model.category)});
   return nearest;
 }
 
@@ -40,7 +42,7 @@ std::vector<SketchedModel> nearestModels(const Index& index, const std::uint8_t*
   for (std::uint32_t i = of.first_model; i < of.first_model + of.models && i < index.models().size; ++i) {
     if (index.models()[i].category != category) continue;
     const Neighbour view = nearestViewOf(index, code, index.models()[i]);
-    if (view.view != Search::kNone) models.push_back({i, view.view, view.distance, nullptr, {}});
+    if (view.view != Search::kNone) models.push_back({i, view.view, view.distance, nullptr, {}, Search::kNone});
   }
   std::sort(models.begin(), models.end(), [](const SketchedModel& a, const SketchedModel& b) {
     return Neighbour{a.view, a.distance} < Neighbour{b.view, b.distance};
@@ -49,10 +51,26 @@ std::vector<SketchedModel> nearestModels(const Index& index, const std::uint8_t*
   return models;
 }
 
+/// Of each category the kDrawnEach candidates that fit best.
+std::vector<SketchedModel*> bestFitting(const Index& index, std::vector<SketchedModel>& candidates) {
+  std::vector<SketchedModel*> fitting, best;
+  for (SketchedModel& candidate : candidates) {
+    if (!candidate.sketches.empty()) fitting.push_back(&candidate);
+  }
+  std::stable_sort(fitting.begin(), fitting.end(),
+                   [](const SketchedModel* a, const SketchedModel* b) { return a->misfit() < b->misfit(); });
+  std::map<std::uint32_t, std::size_t> taken;  // by category
+  for (SketchedModel* const candidate : fitting) {
+    if (taken[categoryOfModel(index, candidate->model)]++ < AlignedNaming::kDrawnEach) best.push_back(candidate);
+  }
+  return best;
+}
+
 /// What is known about a category that was compared.
 struct Compared {
   std::uint32_t category;
   Neighbour nearest;
+  std::uint32_t drawn_distance;
   const SketchedModel* best;
   double score = 0;
 };
@@ -65,10 +83,11 @@ std::vector<Compared> compare(const Index& index, const std::vector<SketchedMode
     const auto known =
         std::find_if(compared.begin(), compared.end(), [&](const Compared& c) { return c.category == category; });
     if (known == compared.end()) {
-      compared.push_back({category, view, &candidate});
+      compared.push_back({category, view, candidate.drawn_distance, &candidate});
       continue;
     }
     known->nearest = std::min(known->nearest, view);
+    known->drawn_distance = std::min(known->drawn_distance, candidate.drawn_distance);
     if (candidate.misfit() < known->best->misfit()) known->best = &candidate;
   }
   return compared;
@@ -77,10 +96,13 @@ std::vector<Compared> compare(const Index& index, const std::vector<SketchedMode
 void score(const Index& index, std::uint32_t nearest_distance, const NamingWeights& weights,
            std::vector<Compared>& compared) {
   const auto log = [](auto x) { return std::log(std::max(static_cast<double>(x), 1e-3)); };
+  const auto ratio = [&](std::uint32_t distance) {
+    return log(std::max(distance, 1u)) - log(std::max(nearest_distance, 1u));
+  };
   for (Compared& c : compared) {
-    const double ratio = log(std::max(c.nearest.distance, 1u)) - log(std::max(nearest_distance, 1u));
-    c.score = -weights.distance * ratio - weights.misfit * log(c.best->misfit()) +
-              weights.models * log(index.categories()[c.category].models);
+    const std::uint32_t drawn = c.drawn_distance == Search::kNone ? c.nearest.distance : c.drawn_distance;
+    c.score = -weights.distance * ratio(c.nearest.distance) - weights.misfit * log(c.best->misfit()) -
+              weights.drawn * ratio(drawn) + weights.models * log(index.categories()[c.category].models);
   }
   std::stable_sort(compared.begin(), compared.end(),
                    [](const Compared& a, const Compared& b) { return a.score > b.score; });
@@ -115,6 +137,7 @@ void appendOthers(const Index& index, const Nearest& nearest, Answer& answer) {
 }  // namespace
 
 Result<std::vector<SketchedModel>> AlignedNaming::candidates(const std::uint8_t* code, const Nearest& nearest) {
+  std::copy_n(code, query_.size(), query_.begin());
   std::vector<SketchedModel> readable;
   Status unread;
   for (std::size_t i = 0; i < std::min(kCategories, nearest.categories.size); ++i) {
@@ -137,6 +160,14 @@ Result<std::vector<SketchedModel>> AlignedNaming::candidates(const std::uint8_t*
 void AlignedNaming::sketch(const ObservedObject& object, std::vector<SketchedModel>& candidates) {
   aligner_.observe(object);
   for (SketchedModel& candidate : candidates) candidate.sketches = aligner_.sketch(candidate.shelved->model, kStarts);
+  for (SketchedModel* const candidate : bestFitting(*index_, candidates)) draw(*candidate);
+}
+
+void AlignedNaming::draw(SketchedModel& candidate) {
+  const ObservedObject drawn = aligner_.drawn(candidate.shelved->model, candidate.sketches.front().pose);
+  if (encoder_->encode(drawn.depth, drawn.pixels, drawn_code_.data()) != DescribeStatus::Ok) return;
+  const std::uint32_t category = categoryOfModel(*index_, candidate.model);
+  candidate.drawn_distance = distanceTo(*index_, query_.data(), drawn_code_.data(), category);
 }
 
 Answer AlignedNaming::name(const Nearest& nearest, const std::vector<SketchedModel>& candidates,

@@ -166,6 +166,71 @@ TEST(Alignment, NothingReachesBelowTheTable) {
   EXPECT_GT(lowest, -SupportPlane::kMostBelow_mm - 0.01f);
 }
 
+/// Seen without noise.
+Seen lookClean(const Mesh& mesh, const Placement& pose) {
+  RayScene scene;
+  scene.add(mesh, unitPlacement(mesh));
+  scene.commit();
+  Seen seen{observeClean(scene, Imager(), pose), {}};
+  seen.pixels = seen.image.setPixels();
+  return seen;
+}
+
+int shiftOf(std::int32_t whole_q16, std::int32_t part_q16) {
+  return static_cast<int>(std::lround((whole_q16 - part_q16) / 65536.0));
+}
+
+// What its code is compared by has to be what the camera would see.
+TEST(Alignment, AModelIsDrawnInTheObjectsStead) {
+  const Mesh mesh = test::corner();
+  const Placement truth = placed(30, 20, 0, {60, -40, 800}, 220);
+  const Seen seen = lookClean(mesh, truth);
+  const AlignableModel model(surfaceOf(mesh), directions());
+  Aligner aligner;
+  aligner.observe(seen.object());
+  const ObservedObject drawn = aligner.drawn(model, truth);
+  const DepthView whole = seen.image.view();
+  const int left = shiftOf(whole.camera.cx_q16, drawn.depth.camera.cx_q16),
+            top = shiftOf(whole.camera.cy_q16, drawn.depth.camera.cy_q16);
+  EXPECT_EQ(drawn.depth.camera.fx_q16, whole.camera.fx_q16);
+  int differ = 0, inside = 0;
+  for (const std::uint32_t pixel : drawn.pixels) {
+    const int u = static_cast<int>(pixel) % drawn.depth.width_px, v = static_cast<int>(pixel) / drawn.depth.width_px;
+    const std::int32_t off_um = drawn.depth.depthUm(u, v) - whole.depthUm(left + u, top + v);
+    differ += std::abs(off_um) > 1000;
+  }
+  EXPECT_LT(differ, static_cast<int>(drawn.pixels.size) / 100);  // at edges
+  const auto set = [&](int u, int v) { return whole.depthUm(u, v) > 0; };
+  for (const std::uint32_t pixel : seen.pixels) {
+    const int u = static_cast<int>(pixel % 640), v = static_cast<int>(pixel / 640);
+    inside += set(u - 1, v) && set(u + 1, v) && set(u, v - 1) && set(u, v + 1);
+  }
+  const int outline = static_cast<int>(seen.pixels.size()) - inside;
+  EXPECT_NEAR(static_cast<double>(drawn.pixels.size), inside + outline / 2, outline * 0.15);
+}
+
+TEST(Alignment, WhatHidesAModelHidesItsDrawing) {
+  const Mesh mesh = test::box(160, 100, 80);
+  const Placement truth = placed(30, 20, 0, {0, 0, 800}, 220);
+  Seen seen = lookClean(mesh, truth);
+  const AlignableModel model(surfaceOf(mesh), directions());
+  Aligner aligner;
+  aligner.observe(seen.object());
+  const std::size_t alone = aligner.drawn(model, truth).pixels.size;
+  std::vector<std::uint32_t> left;
+  for (const std::uint32_t pixel : seen.pixels) {
+    if (pixel % 640 < 320)
+      left.push_back(pixel);
+    else
+      seen.image.depth_mm[pixel] = 500;
+  }
+  const std::size_t hidden = seen.pixels.size() - left.size();
+  seen.pixels = left;
+  aligner.observe(seen.object());
+  EXPECT_NEAR(static_cast<double>(aligner.drawn(model, truth).pixels.size), static_cast<double>(alone - hidden),
+              0.05 * static_cast<double>(hidden));
+}
+
 TEST(Alignment, TheSameTwice) {
   const Mesh mesh = test::corner();
   const Seen seen = look(mesh, placed(30, 20, 10, {0, 0, 900}, 250));

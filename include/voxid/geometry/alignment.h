@@ -112,6 +112,12 @@ class Aligner {
   /// Alignment::misfit of the model in a given pose.
   float misfitAt(const AlignableModel& model, const Placement& pose);
 
+  /// What the camera would see of the model in that pose, in the object's stead: an image round the object, as large as
+  /// its box and a third to each side, in whole millimetres without noise. What hides the model is left out, and of its
+  /// outline every second pixel, as in views of an index. Belongs to the aligner until its next call; empty if there is
+  /// nothing to compare.
+  ObservedObject drawn(const AlignableModel& model, const Placement& pose);
+
   /// The best pose from every view of the model: finish() of params.fine_starts of params.coarse_starts sketches.
   Alignment align(const AlignableModel& model);
 
