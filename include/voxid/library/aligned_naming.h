@@ -56,7 +56,7 @@ class AlignedNaming {
   /// surface are left out. Fails if none has one. Reads what the shelf does not hold yet.
   Result<std::vector<SketchedModel>> candidates(const std::uint8_t* code, const Nearest& nearest);
 
-  /// Fills in how the candidates of the last candidates() fit. Some 100 ms.
+  /// Fills in how the candidates of the last candidates() fit. 0.1 to 0.2 s.
   void sketch(const ObservedObject& object, std::vector<SketchedModel>& candidates);
 
   /// The categories of the candidates by NamingWeights, each with the view of its best model, and then those that were
