@@ -120,7 +120,7 @@ void Aligner::observe(const ObservedObject& object) {
   if (!w.usable) return;
   voxid::observe(object, w.params.coarse_pixels, w.coarse);
   voxid::observe(object, w.params.fine_pixels, w.fine);
-  voxid::observe(object, static_cast<int>(object.pixels.size), w.whole);
+  cutOut(object, static_cast<int>(object.pixels.size), w.whole);
   w.usable = w.coarse.cells.size() >= kLeastPixels / 2 && w.coarse.radius_mm > 0;
 }
 

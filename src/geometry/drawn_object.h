@@ -13,7 +13,7 @@ namespace voxid {
 
 class DrawnObject {
  public:
-  /// See Aligner::drawn. `seen` has every pixel of the image.
+  /// See Aligner::drawn. `seen`: by cutOut(), every pixel.
   ObservedObject draw(const ModelSurface& surface, const Placement& pose, const Observation& seen);
 
  private:

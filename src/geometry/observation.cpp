@@ -99,7 +99,7 @@ void measure(Observation& out) {
   out.radius_mm = std::sqrt(squared / count);
 }
 
-void observe(const ObservedObject& object, int pixels, Observation& out) {
+void cutOut(const ObservedObject& object, int pixels, Observation& out) {
   const Cut cut = layGrid(object, pixels, out.grid);
   out.depth_mm.resize(out.grid.size());
   for (std::size_t cell = 0; cell < out.depth_mm.size(); ++cell) {
@@ -108,6 +108,10 @@ void observe(const ObservedObject& object, int pixels, Observation& out) {
   }
   out.object.assign(out.grid.size(), 0);
   markObject(object, cut, out);
+}
+
+void observe(const ObservedObject& object, int pixels, Observation& out) {
+  cutOut(object, pixels, out);
   out.cells.clear();
   for (std::size_t cell = 0; cell < out.object.size(); ++cell) {
     if (out.object[cell]) out.cells.push_back(cell);

@@ -25,7 +25,11 @@ struct Observation {
   static constexpr int kFar = (kReach + 1) * (kReach + 1);  ///< squared
 };
 
-/// Takes every n-th row and column, so that about `pixels` of the object's are left, and a margin round it.
+/// Takes every n-th row and column, so that about `pixels` of the object's are left, and a margin round it. Fills in
+/// the grid, `depth_mm` and `object` alone.
+void cutOut(const ObservedObject& object, int pixels, Observation& out);
+
+/// The same, and the rest.
 void observe(const ObservedObject& object, int pixels, Observation& out);
 
 /// Whether what is seen there hides what is drawn: it is nearer by so much, and does not deny it. 0: nothing is seen.

@@ -51,14 +51,15 @@ std::vector<SketchedModel> nearestModels(const Index& index, const std::uint8_t*
   return models;
 }
 
+bool fitsBetter(const SketchedModel* a, const SketchedModel* b) { return a->misfit() < b->misfit(); }
+
 /// Of each category the kDrawnEach candidates that fit best.
 std::vector<SketchedModel*> bestFitting(const Index& index, std::vector<SketchedModel>& candidates) {
   std::vector<SketchedModel*> fitting, best;
   for (SketchedModel& candidate : candidates) {
     if (!candidate.sketches.empty()) fitting.push_back(&candidate);
   }
-  std::stable_sort(fitting.begin(), fitting.end(),
-                   [](const SketchedModel* a, const SketchedModel* b) { return a->misfit() < b->misfit(); });
+  std::stable_sort(fitting.begin(), fitting.end(), fitsBetter);
   std::map<std::uint32_t, std::size_t> taken;  // by category
   for (SketchedModel* const candidate : fitting) {
     if (taken[categoryOfModel(index, candidate->model)]++ < AlignedNaming::kDrawnEach) best.push_back(candidate);
@@ -197,8 +198,7 @@ AlignedNaming::Posed AlignedNaming::pose(const std::vector<SketchedModel>& candi
     if (categoryOfModel(*index_, candidate.model) == category && !candidate.sketches.empty())
       fitting.push_back(&candidate);
   }
-  std::stable_sort(fitting.begin(), fitting.end(),
-                   [](const SketchedModel* a, const SketchedModel* b) { return a->misfit() < b->misfit(); });
+  std::stable_sort(fitting.begin(), fitting.end(), fitsBetter);
   Posed best;
   for (std::size_t i = 0; i < std::min(kPosedModels, fitting.size()); ++i) {
     const SketchedModel& model = *fitting[i];

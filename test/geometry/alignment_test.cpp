@@ -263,6 +263,7 @@ TEST(Alignment, NothingIsFoundOfNothing) {
   blind.depth.camera = Camera{};
   aligner.observe(blind);
   EXPECT_FALSE(aligner.align(model).found);
+  EXPECT_EQ(aligner.drawn(model, {}).pixels.size, 0u);
 }
 
 }  // namespace
