@@ -48,11 +48,12 @@ template <std::size_t kBytes>
 class Query {
  public:
   explicit Query(const std::uint8_t* code) {
-    for (std::size_t i = 0; i < kBytes; ++i)
-      square_ += (code[i] & 15) * (code[i] & 15) + (code[i] >> 4) * (code[i] >> 4);
     first_ = twice(load(code));
     middle_ = twice(load(code + kBytes - 16, code));
     second_ = twice(load(code + kBytes - 32));
+    alignas(16) std::int32_t to_itself[4];  // |q|^2 less than none
+    _mm_store_si128(reinterpret_cast<__m128i*>(to_itself), _mm256_castsi256_si128(sumsOfTwo(code, code)));
+    square_ = -(to_itself[0] + to_itself[1] + to_itself[2] + to_itself[3]);
   }
 
   /// Of codes 0 to 7, which `code` gives by number.

@@ -7,6 +7,7 @@
 
 #include "code_distance.h"
 #include "rank.h"
+#include "vectorised.h"
 #include "voxid/core/refine.h"
 #include "voxid/core/sketch.h"
 
@@ -16,6 +17,12 @@ namespace {
 constexpr std::uint32_t kNotMet = 0xffffffff;
 constexpr std::size_t kEnoughCategories = 5;
 constexpr int kBallStepBits = 2;
+
+VOXID_VECTORISED std::uint32_t leastOf(const std::uint32_t* distances, std::size_t count) {
+  std::uint32_t least = UINT32_MAX;
+  for (std::size_t i = 0; i < count; ++i) least = std::min(least, distances[i]);
+  return least;
+}
 
 // The nearest views and each category's nearest, from candidates in any order.
 class Gatherer {
@@ -32,25 +39,21 @@ class Gatherer {
   // `category` is below the number of categories.
   void add(Neighbour candidate, std::uint32_t category) {
     ++scanned_;
-    Neighbour& best = best_[category];
-    if (candidate < best) {
-      met_categories_ += best.distance == kNotMet;
-      best = candidate;
-    }
-    if (count_ < kNearestViews || candidate < nearest_[count_ - 1]) insert(candidate);
+    addToCategory(candidate, category);
+    addToNearest(candidate);
   }
 
-  // All views of one model, `first` the number of the first: the same as adding one by one, but most are not looked at.
+  // Views of one model, `first` the number of the first: the same as adding one by one, but most are not looked at.
   void addModel(std::uint32_t first, Span<const std::uint32_t> distances, std::uint32_t category) {
-    std::uint32_t least = kNotMet;
-    for (const std::uint32_t distance : distances) least = std::min(least, distance);
-    const bool among_nearest = count_ < kNearestViews || least <= nearest_[count_ - 1].distance;
-    if (!among_nearest && least > best_[category].distance) {
-      scanned_ += static_cast<std::uint32_t>(distances.size);
-      return;
+    scanned_ += static_cast<std::uint32_t>(distances.size);
+    const std::uint32_t least = leastOf(distances.data, distances.size);
+    if (least <= best_[category].distance) {
+      const auto place = std::find(distances.begin(), distances.end(), least) - distances.begin();
+      addToCategory({first + static_cast<std::uint32_t>(place), least}, category);
     }
+    if (count_ == kNearestViews && least > nearest_[count_ - 1].distance) return;
     for (std::size_t i = 0; i < distances.size; ++i)
-      add({first + static_cast<std::uint32_t>(i), distances[i]}, category);
+      addToNearest({first + static_cast<std::uint32_t>(i), distances[i]});
   }
 
   std::size_t metCategories() const { return met_categories_; }
@@ -66,7 +69,15 @@ class Gatherer {
   }
 
  private:
-  void insert(Neighbour candidate) {
+  void addToCategory(Neighbour candidate, std::uint32_t category) {
+    Neighbour& best = best_[category];
+    if (!(candidate < best)) return;
+    met_categories_ += best.distance == kNotMet;
+    best = candidate;
+  }
+
+  void addToNearest(Neighbour candidate) {
+    if (count_ == kNearestViews && !(candidate < nearest_[count_ - 1])) return;
     if (count_ < kNearestViews) ++count_;
     std::size_t place = count_ - 1;
     for (; place > 0 && candidate < nearest_[place - 1]; --place) nearest_[place] = nearest_[place - 1];

@@ -56,7 +56,10 @@ def test_searches_stand_beside_the_scan(result):
         assert 0 <= row["recall10"] <= 1 and 0 <= row["recall1"] <= 1 and row["bytes_per_view"] >= 48
         if name != "query/paper":
             assert (row["peer"], row["peer_median_us"]) == ("query/paper", scan["median_us"])
-    assert (searches["query/exact"]["recall1"], searches["query/exact"]["recall10"]) == (1, 1)
+    exact = searches["query/exact"]
+    assert (exact["recall1"], exact["recall10"]) == (1, 1)
+    read_gb = result["views"] * exact["bytes_per_view"] * 1e-9
+    assert exact["gb_per_s"] == pytest.approx(read_gb / (exact["median_us"] * 1e-6), rel=0.02, abs=0.01)
 
 
 def test_the_papers_key_is_measured_in_its_index(paper_result):
