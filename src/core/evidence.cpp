@@ -32,6 +32,7 @@ void Evidence::clear() {
   std::fill(categories_.begin(), categories_.end(), Entry{});
   weight_ = 0;
   first_ = Search::kNone;
+  frames_ = 0;
 }
 
 void Evidence::forget(std::int64_t elapsed_ms, std::int64_t half_life_ms) {
@@ -66,9 +67,14 @@ void Evidence::add(const Index& index, const Nearest& nearest, const Answer& ans
 }
 
 void Evidence::see(const Index& index, const Nearest& nearest) {
+  if (nearest.categories.empty()) return;
+  ++frames_;
+  farthest_ = nearest.categories[nearest.categories.size - 1].distance;
   for (const Neighbour& met : nearest.categories) {
     const std::uint32_t category = categoryOf(index, met);
-    if (category < categories_.size()) categories_[category].last = met;
+    if (category >= categories_.size()) continue;
+    categories_[category].last = met;
+    categories_[category].frame = frames_;
   }
 }
 
@@ -116,6 +122,10 @@ std::uint32_t Evidence::meanDistance() const {
   return static_cast<std::uint32_t>(categories_[first_].distances / weight_);
 }
 
-std::uint32_t Evidence::lastDistance() const { return first_ == Search::kNone ? 0 : categories_[first_].last.distance; }
+std::uint32_t Evidence::lastDistance() const {
+  if (first_ == Search::kNone) return 0;
+  const Entry& first = categories_[first_];
+  return first.frame == frames_ ? first.last.distance : farthest_;
+}
 
 }  // namespace voxid

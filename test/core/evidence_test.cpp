@@ -51,6 +51,8 @@ TEST_F(EvidenceTest, WhatWasNotMetIsAsFarAsTheFarthest) {
   see({{0, 100}, {10, 300}});
   see({{0, 400}, {10, 450}, {20, 250}});
   EXPECT_EQ(order(), (Categories{0, 2, 1})) << "500, 300 + 250, 750; category 3 was never met";
+  see({{10, 700}, {20, 800}});
+  EXPECT_EQ(evidence_.lastDistance(), 800u) << "of category 0, which this frame did not meet";
 }
 
 TEST_F(EvidenceTest, TheFirstCategoryIsNoAnswerUnlessItWasMet) {

@@ -144,6 +144,25 @@ TEST_F(ObjectMemoryTest, AnotherThingOfTheSameSizeIsNoticedWithinHalfASecond) {
   EXPECT_EQ(memory_.numberOf(0), 2u);
 }
 
+TEST_F(ObjectMemoryTest, AThingWhoseOldCategoryIsNoLongerMetIsAnotherOne) {
+  const auto lookOnlyAt = [&](std::uint32_t view, std::uint32_t distance) {
+    Answer answer;
+    answer.count = 1;
+    answer.alternatives[0] = {view / 10, view, distance, 500};
+    memory_.remember(0, *index_, answer, 0);
+  };
+  for (int i = 0; i < 60; ++i) {
+    frame({at(0, 0)});
+    lookOnlyAt(0, 100);
+  }
+  int frames = 0;
+  while (memory_.numberOf(0) == 1) {
+    frame({at(0, 0)});
+    lookOnlyAt(10, 200);
+    ASSERT_LT(++frames, 15);
+  }
+}
+
 TEST_F(ObjectMemoryTest, NoiseChangesTheLabelAtMostOnceAfterTheFirstSecond) {
   test::Random random(5);
   std::uint32_t label = 9;

@@ -35,8 +35,8 @@ class Evidence {
   Answer answer(const Index& index, int min_score_permille, int hold);
 
   bool empty() const { return weight_ == 0; }
-  /// How far the first category of the last answer lay in the mean of all frames, and in the last one; 0 before an
-  /// answer.
+  /// How far the first category of the last answer lay in the mean of all frames, and in the last one, where it counts
+  /// as far as the farthest if it was not met; 0 before an answer.
   std::uint32_t meanDistance() const;
   std::uint32_t lastDistance() const;
 
@@ -45,6 +45,7 @@ class Evidence {
     std::uint64_t distances = 0;       // sum, in 1/2^16
     std::uint64_t scores = 0;          // sum of permille, in 1/2^16
     Neighbour last{Search::kNone, 0};  // where it was met last
+    std::uint32_t frame = 0;           // in which that was
   };
   bool closer(std::uint32_t a, std::uint32_t b) const;
   void hold(std::uint32_t parts);
@@ -53,6 +54,7 @@ class Evidence {
   std::vector<std::uint32_t> order_;
   std::uint64_t weight_ = 0;  // of the frames, in 1/2^16
   std::uint32_t first_ = Search::kNone;
+  std::uint32_t frames_ = 0, farthest_ = 0;  // that were seen; how far the farthest was that the last one met
 };
 
 }  // namespace voxid
