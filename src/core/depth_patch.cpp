@@ -112,8 +112,9 @@ void DepthPatch::splat(const Camera& camera, Span<const Pixel> pixels, Vector ce
 // One row's sums over windows of 2 kReach + 1 columns; `seen` (0 or 1) and `depth` (0 where not seen) have kReach empty
 // columns at both ends.
 template <int kReach>
-VOXID_VECTORISED void sumRow(const std::int32_t* seen, const std::int32_t* depth, std::int32_t* m, std::int32_t* jm,
-                             std::int32_t* jjm, std::int32_t* w, std::int32_t* jw) {
+VOXID_VECTORISED void sumRow(const std::int32_t* seen, const std::int32_t* depth, std::int32_t* __restrict m,
+                             std::int32_t* __restrict jm, std::int32_t* __restrict jjm, std::int32_t* __restrict w,
+                             std::int32_t* __restrict jw) {
   for (int column = 0; column < DepthPatch::kSide; ++column) {
     std::int32_t sums[5] = {};
     for (int j = -kReach; j <= kReach; ++j) {
@@ -132,7 +133,7 @@ VOXID_VECTORISED void sumRow(const std::int32_t* seen, const std::int32_t* depth
   }
 }
 
-// Along each row; slopeAt sums these down the columns. Rows kReach above and below the patch stay empty.
+// Along each row; sumDown sums these down the columns. Rows kReach above and below the patch stay empty.
 void DepthPatch::sumRows() {
   for (int row = 0; row < kSide; ++row) {
     std::array<std::int32_t, kPaddedSide> seen{}, depth{};
@@ -146,24 +147,40 @@ void DepthPatch::sumRows() {
   }
 }
 
+VOXID_VECTORISED void DepthPatch::sumDown(int row) {
+  for (int column = 0; column < kSide; ++column) {
+    std::int32_t n = 0, j = 0, i = 0, jj = 0, ij = 0, ii = 0, w = 0, jw = 0, iw = 0;
+    for (int d = -kReach; d <= kReach; ++d) {
+      const int at = (row + kReach + d) * kSide + column;
+      n += rows_.m[at];
+      j += rows_.jm[at];
+      i += d * rows_.m[at];
+      jj += rows_.jjm[at];
+      ij += d * rows_.jm[at];
+      ii += d * d * rows_.m[at];
+      w += rows_.w[at];
+      jw += rows_.jw[at];
+      iw += d * rows_.w[at];
+    }
+    windows_.n[column] = n;
+    windows_.j[column] = j;
+    windows_.i[column] = i;
+    windows_.jj[column] = jj;
+    windows_.ij[column] = ij;
+    windows_.ii[column] = ii;
+    windows_.w[column] = w;
+    windows_.jw[column] = jw;
+    windows_.iw[column] = iw;
+  }
+}
+
 // Least squares over the window: normal equations about its mean, solved by Cramer's rule. At most 49 cells of
 // |w| < 2^13 and |i|, |j| <= 3: every sum times 49 stays below 2^27, the determinant below 2^27.
-DepthPatch::Slope DepthPatch::slopeAt(int column, int row) const {
-  std::int32_t n = 0, j = 0, i = 0, jj = 0, ij = 0, ii = 0, w = 0, jw = 0, iw = 0;
-  for (int d = -kReach; d <= kReach; ++d) {
-    const int at = (row + kReach + d) * kSide + column;
-    n += rows_.m[at];
-    j += rows_.jm[at];
-    i += d * rows_.m[at];
-    jj += rows_.jjm[at];
-    ij += d * rows_.jm[at];
-    ii += d * d * rows_.m[at];
-    w += rows_.w[at];
-    jw += rows_.jw[at];
-    iw += d * rows_.w[at];
-  }
-  const std::int64_t a = n * jj - j * j, b = n * ij - i * j, c = n * ii - i * i;
-  const std::int64_t right_j = n * jw - j * w, right_i = n * iw - i * w;
+DepthPatch::Slope DepthPatch::slopeAt(int column) const {
+  const std::int32_t n = windows_.n[column], j = windows_.j[column], i = windows_.i[column], w = windows_.w[column];
+  const std::int64_t a = n * windows_.jj[column] - j * j, b = n * windows_.ij[column] - i * j,
+                     c = n * windows_.ii[column] - i * i;
+  const std::int64_t right_j = n * windows_.jw[column] - j * w, right_i = n * windows_.iw[column] - i * w;
   const std::int64_t determinant = a * c - b * b;
   if (determinant == 0) return {};
   constexpr std::int64_t kQ10 = 1024 / kCellUnits;
@@ -176,16 +193,17 @@ DepthPatch::Slope DepthPatch::slopeAt(int column, int row) const {
 void DepthPatch::collect() {
   count_ = 0;
   for (int row = 0; row < kSide; ++row) {
+    sumDown(row);
     for (int column = 0; column < kSide; ++column) {
       if (w(column, row) != kHole) cells_[count_++] = cellAt(column, row);
     }
   }
 }
 
-// A point (x, y, w) lies at k (x, y, w), k = z0 / (z0 - w), from the centroid. The plane w = a + p x + q y has the
-// normal (p, q, -(1 - a / z0)).
+// After sumDown of the row. A point (x, y, w) lies at k (x, y, w), k = z0 / (z0 - w), from the centroid. The plane w =
+// a + p x + q y has the normal (p, q, -(1 - a / z0)).
 SurfaceCell DepthPatch::cellAt(int column, int row) const {
-  const Slope slope = slopeAt(column, row);
+  const Slope slope = slopeAt(column);
   const std::int32_t x = (2 * column + 1 - kSide) * kCellUnits / 2, y = (2 * row + 1 - kSide) * kCellUnits / 2;
   const std::int32_t depth = w(column, row);
   const std::int64_t a = depth - ((std::int64_t{slope.column_q10} * x + std::int64_t{slope.row_q10} * y) >> 10);

@@ -43,9 +43,13 @@ class DepthPatch {
   static constexpr int kReach = 3;  // of the window that a normal is fitted in
   static constexpr int kPaddedSide = kSide + 2 * kReach;
 
-  // Sums over a window: m of cells (0 or 1), j columns and i rows from its middle, w depths.
+  // Sums over a window's row: m of cells (0 or 1), j columns from its middle, w depths.
   struct RowSums {
     std::array<std::int32_t, kPaddedSide * kSide> m{}, jm{}, jjm{}, w{}, jw{};
+  };
+  // Over the windows about one row's cells: n cells, i rows from their middles.
+  struct WindowSums {
+    std::array<std::int32_t, kSide> n, j, i, jj, ij, ii, w, jw, iw;
   };
   struct Slope {
     std::int32_t column_q10 = 0, row_q10 = 0;
@@ -53,7 +57,8 @@ class DepthPatch {
 
   void splat(const Camera& camera, Span<const Pixel> pixels, Vector centroid_um, std::int64_t d_um);
   void sumRows();
-  Slope slopeAt(int column, int row) const;
+  void sumDown(int row);
+  Slope slopeAt(int column) const;
   void collect();
   SurfaceCell cellAt(int column, int row) const;
 
@@ -62,6 +67,7 @@ class DepthPatch {
   std::array<std::int32_t, kCells> sum_, hits_;
   std::array<std::int32_t, kCells> w_;  // 32 bits, which AVX2 can gather
   RowSums rows_;
+  WindowSums windows_;
   std::array<SurfaceCell, kCells> cells_;
   std::size_t count_ = 0;
 };
