@@ -84,7 +84,7 @@ VOXID_VECTORISED void writeRoots(const std::int32_t* squares, std::uint8_t* numb
   for (int i = 0; i < PolarLayout::kNumbers; ++i) {
     const std::int32_t size = squares[i] < 0 ? -squares[i] : squares[i];
     std::int32_t root = 0;
-    for (std::int32_t bit = 128; bit > 0; bit >>= 1) root += square(root + bit) <= size ? bit : 0;
+    for (int bit = 7; bit >= 0; --bit) root += square(root + (1 << bit)) <= size ? 1 << bit : 0;
     const std::int32_t number = (root + 1) >> 1;
     numbers[i] = static_cast<std::uint8_t>(128 + (squares[i] < 0 ? -number : number));
   }
