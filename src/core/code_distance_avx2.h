@@ -51,7 +51,7 @@ class Query {
     first_ = twice(load(code));
     middle_ = twice(load(code + kBytes - 16, code));
     second_ = twice(load(code + kBytes - 32));
-    alignas(16) std::int32_t to_itself[4];  // |q|^2 less than none
+    alignas(16) std::int32_t to_itself[4];  // -|q|^2 in all, as the distance from q to itself is 0
     _mm_store_si128(reinterpret_cast<__m128i*>(to_itself), _mm256_castsi256_si128(sumsOfTwo(code, code)));
     square_ = -(to_itself[0] + to_itself[1] + to_itself[2] + to_itself[3]);
   }
